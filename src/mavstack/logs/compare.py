@@ -99,7 +99,7 @@ def mission_of(log: Log, system: int | None = None) -> dict[int, tuple[float, ..
 
 
 def _of_vehicle(table: MessageTable, system: int | None) -> MessageTable:
-    """Return the items that a vehicle sent or received; those of the last mission if the table tells."""
+    """Return the items that a vehicle sent or received; only of the last mission if the table shows it."""
     names = table.dtype.names or ()
     if system is not None and {"_system", "target_system"} <= set(names):
         table = table.where((table["_system"] == system) | (table["target_system"] == system))
@@ -125,7 +125,7 @@ def _items(table: MessageTable, fields: tuple[str, ...]) -> dict[int, tuple[floa
 
 
 def _plain(value: float) -> float:
-    """Return a value that equals itself: NaN stands for "not set"."""
+    """Return a value that equals itself: NaN means "not set"."""
     return 0.0 if value != value else round(value, 7)
 
 

@@ -63,7 +63,7 @@ def gps_fixes(log: Log, clock: ClockChoice) -> tuple[NDArray[np.int64], NDArray[
 
 
 def _fingerprints(table: MessageTable, latitude: str, longitude: str, unit: float) -> NDArray[np.int64]:
-    """Return one number for each position: 0 for the position 0, 0, which stands for "no fix"."""
+    """Return one number for each position: 0 for the position 0, 0, which means "no fix"."""
     factor = unit * _UNITS_PER_DEGREE
     columns = [np.asarray(table[name]).astype(np.float64) * factor for name in (latitude, longitude)]
     limits = 90 * _UNITS_PER_DEGREE, 180 * _UNITS_PER_DEGREE

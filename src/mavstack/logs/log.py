@@ -316,7 +316,7 @@ class Log(Mapping[str, MessageTable]):
         if span is None or self.clock == "boot":
             return None
         microseconds = round(span[index] * 1e6)
-        # A damaged record may have any time.
+        # A damaged record may have a time that does not fit into a datetime64.
         return np.datetime64(microseconds, "us") if abs(microseconds) < 1 << 63 else None
 
     @property

@@ -179,7 +179,7 @@ class LogBytes:
             raise LogError(f"cannot read {self.path}: {error.strerror or error}") from error
 
     def _mapped(self) -> mmap.mmap:
-        # Nothing changes the size while the lease is held.
+        # No process can change the size while the lease is held.
         if os.fstat(self._descriptor).st_size < self.size:
             raise self._truncated()
         if self._map is None:

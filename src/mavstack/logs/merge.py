@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from mavstack.logs.log import Log
     from mavstack.logs.time_base import Clock
 
-#: Number of common fixes that a comparison needs.
+#: Minimum number of common fixes for a comparison.
 _MIN_MATCHES: Final = 5
-#: Seconds that may remain between the GPS times of two logs.
+#: Maximum remaining difference in seconds between the GPS times of two logs.
 _MAX_REMAINDER: Final = 1.0
 
 

@@ -59,7 +59,7 @@ class ReusedMemory:
         return memory
 
     def _waiting_block(self, size: int) -> mmap.mmap | None:
-        """Remove the smallest block that fits; if there is none, make room for another one."""
+        """Remove the smallest block that fits; if no block fits, make room for a new block."""
         largest = size / (1 - _MAX_WASTE)
         with self._lock:
             fitting = [block for block in self._waiting if size <= len(block) <= largest]

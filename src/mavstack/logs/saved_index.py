@@ -177,7 +177,7 @@ def _read(path: Path, key: bytes, part: Literal["totals", "positions"]) -> bytes
 
 
 def _keep(path: Path, key: bytes, totals: bytes, positions: bytes) -> None:
-    """Write the file of an index. Its checksums tell if it is complete, so nothing waits for the disk."""
+    """Write the file of an index. Its checksums show if it is complete, so nothing waits for the disk."""
     size = _HEAD.size + len(totals) + len(positions)
     if size > MAX_INDEX:
         return

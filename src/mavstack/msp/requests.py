@@ -285,7 +285,7 @@ class RequestEngine:
         if current is None:
             return
         if answered or current is self._barrier:
-            self._late.clear()  # replies to earlier requests came before this one
+            self._late.clear()  # replies to earlier requests came before this reply
         if current.attempts > answered:
             self._late.add(current.command)
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.links import Channel, LinkEvent, LinkURL
     from mavstack.radio.replies import RssiReport
 
-#: Seconds until a radio that restarts takes bytes again.
+#: Seconds until a radio that restarts accepts bytes again.
 BOOT_TIME: Final = 1.5
 #: Seconds to wait for a signal report; the radio prints one each second.
 REPORT_TIMEOUT: Final = 2.0

@@ -286,7 +286,7 @@ async def _require_values(change: Change) -> None:
         raise RadioError(f"the {change.radio.name} radio has {_text(wrong)} after its restart")
 
 
-#: Parameters whose values the radio replaces by the nearest ones that it has.
+#: Parameters for which the radio stores the nearest value that it supports.
 _ROUNDED: Final = frozenset({"AIR_SPEED", "TXPOWER", "MIN_FREQ", "MAX_FREQ", "NUM_CHANNELS"})
 
 

@@ -122,7 +122,7 @@ class RssiReport:
 
 
 def parse_rssi(line: str) -> RssiReport | None:
-    """Return the report in a line, or None if there is none; bytes of packets may stand around it."""
+    """Return the report in a line, or None without a report; bytes of packets may surround it."""
     match = _RSSI.search(line)
     if match is None:
         return None

@@ -130,7 +130,7 @@ class AtSession:
         self._lines: list[str] = []
         self._command: AtCommand | None = None
         self._echoed = False
-        self._echoes = True  # until a radio replies without an echo
+        self._echoes = True  # False after a radio replies without an echo
         self._attempts = 0
         self._deadline: float | None = None
         self._outcome: tuple[str, ...] | RadioError | None = None

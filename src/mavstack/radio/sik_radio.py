@@ -184,7 +184,7 @@ class SikRadio:
             await self._modem.restart(baud=baud)
 
     async def reset(self) -> None:
-        """Set all parameters to those of the factory, without storing them.
+        """Set all parameters to the factory defaults, without storing them.
 
         Raises:
             RadioError: The radio does not answer.

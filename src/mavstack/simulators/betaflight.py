@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _FDM: Final = struct.Struct("<18d")
 _MOTORS: Final = struct.Struct("<4f")
 _RC: Final = struct.Struct("<d16H")
-#: Which of Betaflight's motors are the motors of a body: front right, rear left, front left, rear right.
+#: The index of Betaflight's motor for each motor of a body: front right, rear left, front left, rear right.
 _ORDERS: Final = {"betaflight": (1, 2, 3, 0), "gazebo": (0, 1, 2, 3)}
 BRIDGES: Final = ("gazebo", "legacy")
 MOTOR_ORDERS: Final = tuple(_ORDERS)

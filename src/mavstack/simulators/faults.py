@@ -7,7 +7,7 @@ from typing import Final
 
 from mavstack.errors import InvalidArgumentError
 
-#: The faults, and the effect of each.
+#: The effect of each fault, by name.
 FAULTS: Final = {
     "gps-lost": "no position fix",
     "gps-frozen": "the receiver keeps its last position",

@@ -38,7 +38,7 @@ _PX4_MODELS: Final = MappingProxyType(
 _PX4_FUNCTIONS: Final = MappingProxyType(
     {"plane": (202, 203, 101, 204, 0, 0, 0, 0, 0), "vtol": (101, 102, 103, 104, 105, 201, 202, 203)}
 )
-#: Parameters of PX4 for bodies that are faster and turn wider than its models.
+#: PX4 parameters for bodies that fly faster and turn wider than PX4's models.
 _PX4_BODIES: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
     {
         "jsbsim:c172x": {
@@ -74,7 +74,7 @@ _ARDUPILOT_PARAMETERS: Final = MappingProxyType(
 #: Ports of the first instance: PX4's side of the API, ArduPilot's first serial port and its simulator.
 PX4_API_PORT, ARDUPILOT_SERIAL_PORT, ARDUPILOT_WORLD_PORT = 14540, 5760, 9002
 
-#: The speed-up of an ArduPilot that runs as fast as it can.
+#: The speed factor with which ArduPilot runs as fast as possible.
 _FASTEST: Final = 100.0
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Servo pulses in microseconds: lowest, centre; and the pulse of an output that is off.
 _LOWEST, _CENTER, _OFF = 1000.0, 1500.0, 0
-#: Half the travel of a thruster, in microseconds.
+#: Maximum difference of a thruster's pulse from the centre, in microseconds.
 _THRUSTER_TRAVEL: Final = 400.0
 _HALF: Final = 500.0
 #: Number of lifting motors of a VTOL, and the indexes of aileron, elevator, throttle and rudder in PX4's

@@ -10,7 +10,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Maximum lag of the simulation in seconds; a larger lag is not made up for.
+#: Maximum lag in seconds that the simulation catches up; a larger lag remains.
 MAX_LAG: Final = 0.1
 #: Minimum sleep in seconds: shorter ones take longer than requested.
 _SHORTEST: Final = 0.001

@@ -29,7 +29,7 @@ class Frames:
     earth: str = "earth"
 
     def name_of(self, key: str) -> str:
-        """Return the name for the key of a row; an empty key is no frame, an unknown one is the name."""
+        """Return the frame name for the key of a row: "" for an empty key, and the key if it is unknown."""
         return getattr(self, key, key) if key else ""
 
     def prefixed(self, prefix: str) -> Frames:

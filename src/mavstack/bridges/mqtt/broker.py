@@ -251,7 +251,7 @@ class Session:
             self._call(partial(self._report, f"it refuses: {reason}"))
             return
         for topic in self._subscriptions:
-            # At most once, so that no command is carried out twice.
+            # QoS 0 delivers at most once, so that no command is carried out twice.
             options = self._module.SubscribeOptions(qos=0, retainHandling=self._retain_handling)
             client.subscribe(topic, options=options)
         self._call(self._go_online)

@@ -102,7 +102,7 @@ class Boxes:
         return self._names.get(permanent_id, f"BOX {permanent_id}")
 
     def active(self, positions: Iterable[int]) -> frozenset[int]:
-        """Return the permanent ids of the boxes at positions of the list, those of the bits of a status."""
+        """Return the permanent ids of the boxes at positions of the list, which are the bits of a status."""
         return frozenset(self.ids[position] for position in positions if position < len(self.ids))
 
     def modes(self) -> list[AvailableMode]:

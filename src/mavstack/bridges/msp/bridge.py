@@ -265,7 +265,7 @@ class MspBridge(AsyncResource):
                 await asyncio.sleep(LOAD_RETRY)
                 self._to_load.set()
 
-    # Contact
+    # Contact with the flight controller
 
     def _on_silence(self) -> None:
         self._heartbeat.silent = True

@@ -61,7 +61,7 @@ class BridgedModes:
         return self.server.current
 
     def announce(self) -> None:
-        """Send the names of all modes: those of a generic autopilot are not known otherwise."""
+        """Send the names of all modes, which clients cannot know for a generic autopilot."""
         modes = self.server.modes
         for index, mode in enumerate(modes, 1):
             self._node.send(mode.to_message(index, len(modes)))
@@ -97,7 +97,7 @@ class BridgedModes:
         return _RESULT.ACCEPTED
 
     def _enter_later(self, mode: AvailableMode, source: Address) -> str | None:
-        """Begin what the older SET_MODE asks for, which is not acknowledged; the status tells the result."""
+        """Change the mode for the older SET_MODE, which is not acknowledged; the status shows the result."""
 
         async def enter() -> None:
             await self._enter(source, mode.custom_mode)

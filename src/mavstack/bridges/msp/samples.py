@@ -32,7 +32,7 @@ class Samples:
         self._latest[type(message)] = message, now
 
     def get(self, kind: type[AnyMessage]) -> AnyMessage | None:
-        """Return the latest message of a class; None if there is none, or an old one only."""
+        """Return the latest message of a class; None if no message arrived or the latest is too old."""
         message, received_at = self._latest.get(kind, (None, 0.0))
         return message if isinstance(message, kind) and self.now - received_at <= MAX_AGE else None
 

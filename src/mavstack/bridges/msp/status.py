@@ -132,7 +132,7 @@ def sys_status(status: ControllerStatus, power: Power | None, *, ready: bool) ->
 
 
 def extended_state(status: ControllerStatus) -> common.ExtendedSysState:
-    """Return EXTENDED_SYS_STATE: a disarmed vehicle is on the ground, of an armed one MSP does not tell."""
+    """Return EXTENDED_SYS_STATE: ON_GROUND for a disarmed vehicle, UNDEFINED for an armed one."""
     landed = common.MavLandedState
     return common.ExtendedSysState(
         vtol_state=common.MavVtolState.UNDEFINED,

@@ -27,7 +27,7 @@ _VERBS: Final = {SUBSCRIPTION: "receives", PUBLISHER: "sends", CLIENT: "calls"}
 
 
 def check_graph(entities: Sequence[GraphEntity], domain: int) -> list[Finding]:
-    """Return what the graph of a domain tells about bridges and their peers, problems first."""
+    """Return the findings about bridges and their peers in the graph of a domain, problems first."""
     nodes = sorted({_node(each) for each in entities if each.kind == NODE_KIND and each.node == NODE})
     if not nodes:
         text = f"no vehicle is in domain {domain}: is the bridge running, with this domain and router?"

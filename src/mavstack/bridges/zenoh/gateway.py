@@ -147,7 +147,7 @@ class Gateway:
                     known.set_connected(connected=isinstance(event, VehicleReturned))
 
     async def _publish_states(self) -> None:
-        """Publish all states in each interval, those of a few vehicles at a time: packets wait meanwhile."""
+        """Publish all states in each interval, for a few vehicles at a time because packets wait."""
         while True:
             vehicles = tuple(self.vehicles.values())
             parts = min(len(vehicles), STATE_PARTS) or 1

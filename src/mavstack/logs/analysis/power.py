@@ -22,7 +22,7 @@ _EMPTY: Final = 10.0
 _LOW_BOARD_VOLTAGE: Final = 4.6
 #: Minimum height above home of a flying vehicle, in metres.
 _IN_FLIGHT: Final = 3.0
-#: A log that ends less than this many seconds after the vehicle flew was cut off.
+#: A log was cut off if it ends less than this many seconds after the vehicle was in the air.
 _END: Final = 3.0
 
 

@@ -121,7 +121,7 @@ class BlackboxLog(Log):
 
     @cached_property
     def _places(self) -> dict[str, list[tuple[_Flight, str]]]:
-        """The tables that make up each table of the log; those of other fields are apart."""
+        """The tables that make up each table of the log; flights with other fields have separate tables."""
         places: dict[str, list[tuple[_Flight, str]]] = {}
         for flight in self._flights:
             for name, rows in flight.tables.items():
@@ -217,7 +217,7 @@ class BlackboxLog(Log):
         return {"autopilot": self._headers[0].firmware[0], **found, "flights": str(len(self._headers))}
 
     def read_parameters(self, log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
-        """Return the numbers in the headers: those of the first flight, and the changes in later ones."""
+        """Return the numbers in the headers: all of the first flight, and the changes in later flights."""
         first = _numbers(self._headers[0])
         latest, changes = dict(first), []
         for flight in self._flights[1:]:
@@ -310,7 +310,7 @@ def _damage(decoder: FlightDecoder) -> LogDamage:
 
 
 def _numbers(header: FlightHeader) -> dict[str, float]:
-    """Return the numbers in a header by name; those of a list as `name[0]` and so on."""
+    """Return the numbers in a header by name; the numbers of a list as `name[0]` and so on."""
     found: dict[str, float] = {}
     for name, value in header.values.items():
         texts = value.split(",")

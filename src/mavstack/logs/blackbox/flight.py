@@ -157,7 +157,7 @@ class FlightDecoder:
         damage.bad_bytes += len(rest) - sum(rest.count(byte) for byte in (_PADDING[:1], _PADDING[1:]))
 
     def _is_complete_frame(self, position: int, end: int) -> bool:
-        """Return whether a frame is followed by another one, or by the end."""
+        """Return whether a frame is followed by another frame or by the end."""
         size = len(self._data)
         return end - position <= _MAX_FRAME and (end == size or (end < size and self._data[end] in MARKERS))
 
@@ -303,6 +303,6 @@ class _SkippedIterations:
 
 
 def _follows(moment: tuple[int, int], last: tuple[int, int]) -> bool:
-    """Return whether loop iteration and time can be those of a frame after another one."""
+    """Return whether loop iteration and time can belong to the frame after another frame."""
     iterations, time = moment[0] - last[0], moment[1] - last[1]
     return 0 <= iterations < _MAX_ITERATION_JUMP and 0 <= time < _MAX_TIME_JUMP

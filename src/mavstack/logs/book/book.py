@@ -315,7 +315,7 @@ def _row(name: str, flight: Flight, skipped: str) -> list[object]:
 
 
 def _ends_with(name: str, end: str) -> bool:
-    """Return whether a path ends with the parts of another one."""
+    """Return whether a path ends with the parts of another path."""
     parts = Path(end).parts
     return bool(parts) and Path(name).parts[-len(parts) :] == parts
 

@@ -34,7 +34,7 @@ _LEAP_STEPS_US: Final = np.array([1_025_136_015, 1_119_744_016, 1_167_264_017], 
 _FIX_3D: Final = 3
 #: Names of the fields with the GPS week and the milliseconds, in new and old logs.
 _GPS_TIMES: Final = (("GWk", "GMS"), ("Week", "TimeMS"))
-#: Times of a table that are this far beyond those of other tables belong to a damaged record.
+#: A time that is this far after the last times of other tables is from a damaged record.
 _MAX_AHEAD_US: Final = 86_400_000_000
 
 

@@ -28,7 +28,7 @@ _FMT: Final = "FMT"
 _FMT_TYPE: Final = 128
 _FMT_FORMAT: Final = "BBnNZ"
 _CHECKED: Final = (_FMT, "FMTU", "UNIT", "MULT")
-#: Position of the character that a record of UNIT and MULT defines.
+#: Position of the id character in a UNIT or MULT record.
 _ID: Final = 11
 #: Format characters of fields that may number the instances of a sensor.
 _INSTANCES: Final = "bBhHiIqQnN"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _FIRMWARE: Final = re.compile(
     r"(?P<name>Ardu\w+|APM:\w+|AntennaTracker|Blimp|Rover)\s+V?(?P<version>\d\S*)(?:\s+\((?P<git>\w+)\))?"
 )
-#: Firmware by a part of its name: its enum of modes and its MAV_TYPE.
+#: The enum of flight modes and the MAV_TYPE of a firmware, by a part of its name.
 _FIRMWARES: Final = (
     ("copter", "COPTER_MODE", "QUADROTOR"),
     ("plane", "PLANE_MODE", "FIXED_WING"),

@@ -77,7 +77,7 @@ def export_log(
     """
     log.prepare_windows()
     for name in names:
-        log.schema(name)  # raises if there is no such table
+        log.schema(name)  # raises an error if the table does not exist
     if Path(path).exists() and log.path.exists() and Path(path).samefile(log.path):
         raise LogError(f"cannot write {path}: it is the log itself; choose another path")
     writer: ExportWriter | None = None

@@ -47,7 +47,7 @@ def joined(pieces: Iterable[str | Texts]) -> Texts:
 
 
 def json_values(column: NDArray[Any]) -> Texts:
-    """Return the JSON of each value of a column; those of a column of arrays are lists."""
+    """Return the JSON of each value of a column; the values of a column of arrays are lists."""
     texts = _single_values(np.ascontiguousarray(column).reshape(-1))
     for length in reversed(column.shape[1:]):
         texts = _lists(texts, length)

@@ -118,7 +118,7 @@ class McapWriter(TableWriter):
         return column
 
     def _nanoseconds(self, seconds: NDArray[np.float64]) -> NDArray[np.uint64]:
-        """Return times as MCAP has them; a time that is not known is that of the beginning."""
+        """Return times in the format of MCAP; an unknown time becomes the time of the beginning."""
         known = np.where(np.isfinite(seconds), seconds, self._start[0])
         return _nanoseconds(np.rint(known * 1e6))
 

@@ -116,7 +116,7 @@ class McapStream:
         self._stream.write(data + footer[:-4] + crc.to_bytes(4, "little") + _MAGIC)
 
     def _add_group(self, summary: Any, start: int, group: list[Any]) -> Any:  # noqa: ANN401 (mcap's classes)
-        """Add records of one kind to the summary, and return the record that tells where they are."""
+        """Add records of one kind to the summary, and return the record with their position."""
         begin = summary.count
         for record in group:
             record.write(summary)

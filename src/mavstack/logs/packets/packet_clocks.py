@@ -54,7 +54,7 @@ class _Offsets:
     usual: tuple[int, int]
 
     def at(self, times: NDArray[np.datetime64]) -> NDArray[np.float64]:
-        """Return the offset at receive times in seconds; those of unknown times are the usual one."""
+        """Return the offset at receive times in seconds; at unknown times, the usual offset."""
         positions = np.searchsorted(self.starts, times.astype("M8[us]").astype(np.int64), side="right") - 1
         offsets = self.offsets[np.maximum(positions, 0)] / 1e6
         return np.where(np.isnat(times), self.usual[0] / 1e6, offsets)

@@ -88,7 +88,7 @@ def parameters(log: Log) -> tuple[dict[str, float], list[ParameterChange]]:
         return {}, []
     system = int(table["_system"].min()) if first is None else first.system
     table = table.where(table["_system"] == system)
-    # A gimbal or camera of the vehicle has its own parameters.
+    # Leave out the parameters of other components, such as a gimbal or camera.
     if first is not None and (own := table["_component"] == first.component).any():
         table = table.where(own)
     bytewise = _is_bytewise(log, system, "" if first is None else first.autopilot)

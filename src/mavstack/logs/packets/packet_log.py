@@ -185,7 +185,7 @@ class PacketLog(Log):
         return table_dtype(self.dialect.message_definition(message_id), index.row_size(message_id))
 
     def selected_rows(self, name: str, selection: Selection) -> int | None:
-        """Return how many rows of a table a selection keeps, if the sources tell; see `Log.selected_rows`."""
+        """Return how many rows of a table a selection keeps, if known; see `Log.selected_rows`."""
         if not selection.has_times and selection.instance is None:
             kept = [selection.keeps_source(system, component) for system, component in self.sources]
             if all(kept) or not any(kept):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.logs.message_table import MessageTable
     from mavstack.logs.ulog.entries import Value
 
-#: Topics with UTC, the best one first.
+#: Topics with UTC, in order of preference.
 GPS_TOPICS: Final = ("vehicle_gps_position", "sensor_gps")
 _UTC, _BOOT, _RELATIVE = "time_utc_usec", "timestamp", "timestamp_time_relative"
 #: Range of valid times: a time before 2000 or after 2200 is from a receiver or a clock that is not set.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.logs.time_base import TimeBase
     from mavstack.logs.ulog.entries import Entries, LoggedText, Value
 
-#: Information messages under the names that other formats use.
+#: The names that other log formats use for information messages, by ULog key.
 _COMMON_NAMES: Final = {
     "sys_name": "autopilot",
     "ver_sw": "firmware_git",

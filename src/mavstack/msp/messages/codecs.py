@@ -86,7 +86,7 @@ class Codec(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An integer, which stands for `(offset + raw * step) / per_unit`."""
+    """An integer, which means `(offset + raw * step) / per_unit`."""
 
     wire_type: str
     per_unit: float = 1
@@ -121,7 +121,7 @@ class Number:
         return stepped if self.per_unit == 1 else stepped / self.per_unit
 
     def value(self, raw: int) -> object:
-        """Return the value of a number as it stands in the payload."""
+        """Return the value of a number in the payload."""
         if self.kind is None:
             return self._scaled(raw)
         try:

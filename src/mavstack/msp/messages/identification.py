@@ -232,7 +232,7 @@ IDENTIFICATION: Final[tuple[type[MspMessage], ...]] = (
 
 
 def firmware_info(messages: Mapping[type[MspMessage], MspMessage]) -> FirmwareInfo:
-    """Return the identity that messages of `IDENTIFICATION` tell; the fields of missing ones are empty."""
+    """Return the identity from messages of `IDENTIFICATION`; the fields of missing ones are empty."""
     found = {type(message): message for message in messages.values()}
     api, variant, version = found.get(ApiVersion), found.get(FcVariant), found.get(FcVersion)
     board, build = found.get(BoardInfo), found.get(BuildInfo)

@@ -41,7 +41,7 @@ def _filter_message(current: TableMessage, field: str, value: object) -> TableMe
 
 
 def _vtx_message(current: TableMessage, field: str, value: int) -> TableMessage:
-    """Return the video transmitter's settings with another one.
+    """Return the video transmitter's settings with one changed.
 
     A frequency takes effect only without a band. Old firmwares and iNav know band and channel, or the
     frequency, as one number.
@@ -121,7 +121,7 @@ def _number(text: str) -> Value:
     return float(text) if "." in text else int(text)
 
 
-# Settings of controllers and display items
+# Settings of the PID controllers and the OSD items
 
 
 def _gains(

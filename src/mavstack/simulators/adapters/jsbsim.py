@@ -54,7 +54,7 @@ class JsbsimPhysics:
 
     def reset(self, home: Home, heading: float) -> State:
         """Put it on its wheels at home; see `Physics`."""
-        if not self._is_new:  # JSBSim opens the logs of a model at each start, and cannot open them again
+        if not self._is_new:  # JSBSim cannot open the logs of a model twice
             self._exec = _loaded(self._model)
         self._is_new = False
         fdm = self._exec

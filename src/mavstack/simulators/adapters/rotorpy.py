@@ -87,7 +87,7 @@ class RotorpyPhysics:
         now["q"] = self._rest(math.degrees(yaw))["q"]
 
     def _rest(self, heading: float) -> dict[str, Any]:
-        """Return rotorpy's state of a vehicle that stands at home."""
+        """Return rotorpy's state of a vehicle at rest at home."""
         import numpy as np
 
         half = 0.5 * math.radians(90.0 - heading)

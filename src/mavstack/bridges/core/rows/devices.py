@@ -128,7 +128,7 @@ def camera_trigger(message: Any, view: VehicleView) -> Values:
 
 
 def gimbal_attitude(message: Any, view: VehicleView) -> Values:
-    """Return mavros_msgs/GimbalDeviceAttitudeStatus; the quaternion is that of MAVLink, as in MAVROS."""
+    """Return mavros_msgs/GimbalDeviceAttitudeStatus; the quaternion is not converted, as in MAVROS."""
     del view
     w, x, y, z = message.q
     rates = message.angular_velocity_x, message.angular_velocity_y, message.angular_velocity_z

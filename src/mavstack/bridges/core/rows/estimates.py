@@ -129,7 +129,7 @@ def angles_of(q: Quaternion) -> tuple[float, float, float]:
 
 
 def _microseconds(fields: Fields, inbound: Inbound) -> int:
-    """Return the time of a sample; that of its arrival if it has none."""
+    """Return the time of a sample; the arrival time if the sample has no time."""
     stamp = fields["header"]["stamp"]
     return int(stamp["sec"] * 1_000_000 + stamp["nanosec"] // 1000) or inbound.microseconds
 

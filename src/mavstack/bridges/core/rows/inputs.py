@@ -130,7 +130,7 @@ def tune(fields: Fields, inbound: Inbound) -> tuple[Message]:
 def _copied(
     make: type[Message], *left_out: str, **renamed: str
 ) -> Callable[[Fields, Inbound], tuple[Message]]:
-    """Return a receiver that copies fields of the same names, and those of the target and of time."""
+    """Return a receiver that copies fields of the same names, and sets the target and time fields."""
     names = make.__match_args__
 
     def receive(fields: Fields, inbound: Inbound) -> tuple[Message]:

@@ -29,7 +29,7 @@ def _degrees(message: Any) -> tuple[float, float]:
 
 
 def raw_fix(message: Any, view: VehicleView) -> Values:
-    """Return sensor_msgs/NavSatFix of a receiver; the height is that of the vehicle where it sends one."""
+    """Return sensor_msgs/NavSatFix of a receiver; the height is from the vehicle if it sends a height."""
     latitude, longitude = _degrees(message)
     # An ellipsoid height of exactly 0 mm does not occur: the message then lacks its extension fields.
     height = message.alt_ellipsoid / 1e3 or to_ellipsoid(latitude, longitude, message.alt / 1e3)

@@ -29,7 +29,7 @@ def body_in_map(message: Any, view: VehicleView) -> Values:
 
 
 def fixed_axes(message: Any, view: VehicleView) -> Values:
-    """Return tf2_msgs/TFMessage: the axes of MAVLink in those of ROS."""
+    """Return tf2_msgs/TFMessage: the MAVLink axes in the ROS axes."""
     del message
     seconds, nanoseconds = divmod(view.arrival, 1_000_000_000)
     frames = view.frames

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 _BOOLEANS: Final = ("success", "successful", "mode_sent")
 _TEXTS: Final = ("message", "reason")
-#: The numbers of errno for the errors of MAVLink FTP.
+#: The `errno` values by MAVLink FTP error code.
 _ERRNO: Final = {1: 5, 2: 5, 3: 22, 4: 9, 5: 24, 6: 0, 7: 38, 8: 17, 9: 13, 10: 2}
 _EIO, _ETIMEDOUT = 5, 110
 
@@ -39,7 +39,7 @@ def refused(response: Definition, error: Exception) -> dict[str, Any]:
 
 
 def result_of(error: Exception) -> int:
-    """Return the MAV_RESULT of an error: that of the vehicle, or FAILED."""
+    """Return the MAV_RESULT of an error: the result from the vehicle, or FAILED."""
     code = getattr(error, "code", None)
     if isinstance(error, RemoteDenied) and isinstance(code, int):
         return int(code)

@@ -27,7 +27,7 @@ offsetof ptrdiff_t size_t std strlen uint16_t uint32_t uint64_t uint8_t unix
 """
 #: Other parameters, and variables, of the functions that have a parameter for each field.
 _PARAMETERS: Final = frozenset({"_buf", "_status", "chan", "component_id", "msg", "msgbuf", "system_id"})
-#: Types of the runtime by the name of the message whose struct would have the same name.
+#: Names of messages whose struct would have the name of a type of the runtime.
 _RUNTIME_TYPES: Final = frozenset(
     {
         *("accept_unsigned", "channel", "counters", "field_info", "framing", "message", "message_info"),

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.codegen.library import DialectFile, Library
     from mavstack.dialects.model import EnumDefinition, EnumEntry, MessageDefinition
 
-#: Names in the namespace of a dialect, and those of the runtime that its headers use.
+#: Names in the namespace of a dialect, and names of the runtime that its headers use.
 _TAKEN: Final = frozenset(
     {"MESSAGE_ENTRIES", "Parser", "Variant", "impl", "mavlink", "msg", "to_variant", "visit"}
 )

@@ -11,7 +11,7 @@ from mavstack.codegen.templates import one_line
 if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, FieldDefinition, MessageDefinition
 
-#: Attributes of the class `Message`, and names in its methods.
+#: Attributes of the class `Message`, and names that its methods use.
 _OWN_NAMES: Final = (
     *("self", "cls", "to_payload", "from_payload", "to_dict", "pack"),
     *("ID", "NAME", "CRC_EXTRA", "BASE_LENGTH", "LENGTH", "STRUCT", "EXTRA", "NUMBER"),

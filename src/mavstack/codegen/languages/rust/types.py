@@ -21,7 +21,7 @@ gen if impl in let loop macro match mod move mut override priv pub ref return se
 true try type typeof union unsafe unsized use virtual where while yield
 """
 RESERVED_WORDS: Final = frozenset(_WORDS.split())
-#: Types of the crate and of Rust that the modules of messages and enums name, and the variants of `Option`.
+#: Types of the crate and of Rust that generated message and enum modules use, and the variants of `Option`.
 _TYPES: Final = frozenset(
     {
         *(

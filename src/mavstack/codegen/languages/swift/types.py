@@ -21,7 +21,7 @@ open operator precedencegroup private protocol public repeat rethrows return sel
 super switch throw throws true try typealias var where while
 """
 RESERVED_WORDS: Final = frozenset(_WORDS.split())
-#: Names of the runtime's types and of those of the standard library that it uses.
+#: Names of the runtime's types, and of the standard library's types that the runtime uses.
 _TYPES: Final = """
 Array ArraySlice Bool Checksum CustomStringConvertible Dialect Double EncodeError Encoder Error
 ExpressibleByStringLiteral FieldDefinition FixedWidthInteger Float Hashable Header Int Int16 Int32 Int64 Int8
@@ -30,7 +30,7 @@ RawRepresentable Refusal SHA256 Sendable Sequence Signer SigningKey SigningTime 
 UInt32 UInt64 UInt8 UTF8 Verifier Version WritableKeyPath
 """
 _TAKEN_TYPES: Final = RESERVED_WORDS | frozenset(_TYPES.split())
-#: Names that an enum's struct uses itself.
+#: Members of the struct of an enum, which an entry must not be named.
 _TAKEN_ENTRIES: Final = RESERVED_WORDS | {"description", "hash", "hashValue", "rawValue"}
 #: Members of the structs of messages; `payload` is the argument of an initializer.
 _TAKEN_PROPERTIES: Final = RESERVED_WORDS | {"encodePayload", "hash", "hashValue"}

@@ -133,7 +133,7 @@ class _Records:
         return self._is_near(position) or (end > position + _RECORD_HEADER and self._continues(end))
 
     def find(self, position: int) -> int:
-        """Return the next position of a record that another one or the end of the file follows."""
+        """Return the next position of a record that another record or the end of the file follows."""
         while position < len(self.data):
             end = self.end_of(position)
             if end is not None and self._is_near(position) and self._continues(end):
