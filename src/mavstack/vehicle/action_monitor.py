@@ -38,11 +38,11 @@ if TYPE_CHECKING:
 STALL_TIMEOUT = 30.0
 #: Minimum decrease of `remaining` that counts as progress.
 MIN_PROGRESS = 0.5
-#: A smaller remaining amount is reported with a decimal.
+#: A remaining amount below this is reported with a decimal place.
 _WHOLE_NUMBERS = 2.0
 #: The interval at which the goal is checked if no packet arrives, in seconds.
 CHECK_INTERVAL = 0.5
-#: The time in which the vehicle may still be in its former mode, in seconds.
+#: The time in which the vehicle may still report its former mode, in seconds.
 SETTLING_TIME = 3.0
 #: The time in another mode after which the action counts as interrupted, in seconds: at the end of an action
 #: some vehicles change their mode before they report that the action ended.

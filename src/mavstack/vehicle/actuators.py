@@ -38,12 +38,13 @@ _GRIP: Final = common.GripperActions
 _WINCH: Final = common.WinchActions
 #: The longest pulse that a servo output can have, in microseconds.
 MAX_PULSE: Final = 2500
-#: The longest test of a motor, in seconds; ArduPilot's own limit.
+#: The longest motor test in seconds; it is ArduPilot's limit.
 MAX_MOTOR_TEST: Final = 600.0
-#: Characters of a tune, and the tune of `beep`: three short notes.
+#: The largest number of characters of a tune.
 MAX_TUNE: Final = 248
+#: The tune of `beep`: three short notes.
 DEFAULT_TUNE: Final = "MFT200L16CCC"
-#: A repeated motor test is extended this long before its end, in seconds.
+#: A motor test that is repeated is extended this long before its end, in seconds.
 _OVERLAP: Final = 1.0
 #: The time after a motor test in which the heartbeat may still say that the vehicle is armed, in seconds.
 _DISARMING_TIME: Final = 5.0

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _FLAG: Final = common.MavProtocolCapability
 _TYPE: Final = common.MavType
 
-#: A parameter of ArduPilot builds whose estimator has several sets of sources.
+#: A parameter that exists in ArduPilot builds whose estimator has several sets of sources.
 _EKF_SOURCE: Final = "EK3_SRC1_POSXY"
 
 

@@ -197,7 +197,8 @@ class Connection(Node, ReadOnly):
         return self.open().__await__()
 
     async def __aenter__(self) -> Self:
-        # jedi takes `Self` for the class whose body has the method: without this one it completes a `Node`.
+        # jedi takes `Self` for the class whose body defines the method: without this override it completes a
+        # `Node`.
         return await super().__aenter__()
 
 

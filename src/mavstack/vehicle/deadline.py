@@ -23,7 +23,8 @@ async def deadline(
         async with asyncio.timeout(timeout) as timer:
             yield
     except TimeoutError as expired:
-        # A typed error of the block, or one of another timer in it, is not this one's.
+        # A typed error of the block, and an error of another timer in the block, are not errors of this
+        # deadline.
         if timeout is None or not timer.expired() or isinstance(expired, RemoteError):
             raise
         raise error(operation, str(target), answer=f"not done in {timeout:g} s") from None

@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from mavstack.node.events import EventStream
     from mavstack.services.events import DecodedEvent
 
-#: The number of events that an error holds.
+#: The largest number of events in an error.
 MAX_EVENTS: Final = 6
-#: More events are queued than kept: less severe ones are left out when they are read.
+#: The size of the event queue: larger than `MAX_EVENTS`, because less severe events are left out when they
+#: are read.
 _QUEUE: Final = 64
 
 

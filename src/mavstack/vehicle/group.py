@@ -137,7 +137,7 @@ class Group(ReadOnly, Collection["Vehicle"]):
             }
         return Results({vehicle: task.result() for vehicle, task in running.items()}, name)
 
-    # The actions of vehicles
+    # Actions of all vehicles
 
     async def arm(
         self,
@@ -267,7 +267,7 @@ class Group(ReadOnly, Collection["Vehicle"]):
         """
         return await self.each(lambda vehicle: vehicle.reboot(wait=wait, timeout=timeout), name="rebooting")
 
-    # Flights as one swarm, with a distance that is kept
+    # Flights as one swarm that keeps a distance between its vehicles
 
     formation = group_flights.formation
     move = group_flights.move
@@ -276,7 +276,7 @@ class Group(ReadOnly, Collection["Vehicle"]):
     search = group_flights.search
     land_all = group_flights.land_all
 
-    # The collection
+    # Methods of a collection
 
     @property
     def systems(self) -> tuple[int, ...]:

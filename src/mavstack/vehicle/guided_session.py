@@ -43,9 +43,9 @@ if TYPE_CHECKING:
 
 #: The time for which setpoints are streamed before the mode is entered, in seconds.
 STREAM_LEAD_TIME: Final = 0.6
-#: The time for which the hold is tried if the block ends with an error, in seconds.
+#: Timeout in seconds of holding the position if the block ends with an error.
 HOLD_TIMEOUT: Final = 5.0
-#: The setpoint to stay where the vehicle is.
+#: The setpoint that makes the vehicle stay where it is.
 STANDING_STILL: Final = LocalSetpoint(velocity=(0.0, 0.0, 0.0))
 _OPERATION: Final = "following setpoints with"
 
@@ -224,14 +224,14 @@ class GuidedSession(ReadOnly):
             await self._leave()
 
     async def _hold(self, *, quietly: bool) -> None:
-        with suppress(ActionUnsupported):  # a wing flies on by its last setpoint until it circles
+        with suppress(ActionUnsupported):  # a vehicle on a wing follows its last setpoint until it circles
             firmware_of(self._vehicle).check_setpoint(STANDING_STILL)
             self._stream.set(STANDING_STILL)
         try:
             async with asyncio.timeout(HOLD_TIMEOUT if quietly else None):
                 await with_status_texts(self._vehicle, firmware_of(self._vehicle).hold())
         except (RemoteError, TimeoutError):
-            if not quietly:  # otherwise the error that ended the block is raised
+            if not quietly:  # if the block ended with an error, that error is raised
                 raise
 
     def _error(self, kind: type[RemoteError], answer: str) -> RemoteError:

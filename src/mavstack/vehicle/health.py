@@ -26,7 +26,7 @@ _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
 _UNKNOWN_PROBLEM: Final = Problem(
     "its checks before arming fail, and it has not reported which", "SYS_STATUS"
 )
-#: ArduPilot's status texts for a mode in which it does not arm end so; `Health` names the mode itself.
+#: The end of ArduPilot's status texts about a mode in which it does not arm; `Health` names the mode itself.
 _MODE_TEXT: Final = "mode not armable"
 
 

@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from mavstack.swarm.search.surveys import Survey
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The time in which no item is reached, in seconds: a long leg, or a wait that the mission contains.
+#: The longest time without a reached item, in seconds: a leg may be long, and the mission may contain a wait.
 STALL_TIMEOUT: Final = 1800.0
 #: The rate of MISSION_CURRENT while a mission is flown, in hertz.
 PROGRESS_RATE: Final = 1.0
-#: A mission that begins farther from the vehicle gets a warning, in metres.
+#: A mission whose first item is farther from the vehicle than this, in metres, gets a warning.
 MAX_FIRST_DISTANCE: Final = 10_000.0
-#: The total of MISSION_CURRENT of a vehicle without a mission.
+#: The total in MISSION_CURRENT of a vehicle without a mission.
 NO_MISSION: Final = 0xFFFF
 _CMD: Final = common.MavCmd
 _LANDINGS: Final = frozenset(
@@ -218,7 +218,7 @@ class Mission(VehiclePlan, ReadOnly):
         """The sequence number of the last item, as far as it is known; -1 if it is not."""
         progress, count, home = self.progress, self.count or 0, int(self._plans.home_first)
         if progress is None or not progress.total or count - home <= progress.total <= count:
-            # ArduPilot's total leaves out the home item in some versions, and counts it in others.
+            # Some versions of ArduPilot count the home item in the total, others do not.
             return count - 1
         return progress.total - 1 + home
 
@@ -303,7 +303,7 @@ class Mission(VehiclePlan, ReadOnly):
         """Raise if there is nothing to fly: ArduPlane would return to home, armed on the ground too."""
         empty = self._is_empty
         if empty or (empty is None and self._plans.home_first):
-            await self.download()  # another program may have sent a mission since
+            await self.download()  # another program may have uploaded a mission meanwhile
             if self._is_empty:
                 reason = "it has no mission; upload one first"
                 raise refusal(self._vehicle, operation, reason)

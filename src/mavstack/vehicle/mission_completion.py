@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 _STATE: Final = common.MissionState
-#: The time after the end in which the vehicle may still enter a landing mode, in seconds: PX4 reports
-#: the end, then enters the mode of the last item, and leaves it before its heartbeat shows it disarmed.
+#: The time after the end of the mission in which the vehicle may still enter a landing mode, in seconds: PX4
+#: reports the end, then enters the mode of the last item, and leaves that mode before its heartbeat shows
+#: that it is disarmed.
 END_DELAY: Final = 2.5
-#: A vehicle that drives or dives stands still below this speed, in m/s, for `STANDING_TIME` seconds.
+#: The speed in m/s below which a vehicle that drives or dives counts as stopped, after `STANDING_TIME`
+#: seconds.
 STANDING_SPEED: Final = 0.3
 STANDING_TIME: Final = 4.0
 
@@ -69,7 +71,8 @@ class MissionCompletion:
         if self._running:
             last = self._mission.last_seq
             landing = self._mission.landing_seq
-            left_by_landing = seq >= landing and self._lands  # a return that is a separate mode
+            # the mission continued with a return or a landing in a separate mode
+            left_by_landing = seq >= landing and self._lands
             finished = state == _STATE.COMPLETE if state != _STATE.UNKNOWN else last in self._reached
             done = finished or left_by_landing
             # A firmware may report the first item again before it reports that it was disarmed.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 _TYPE = common.MavType
-#: The types of components that may manage gimbals beside the autopilot.
+#: The types of components that may manage gimbals, in addition to the autopilot.
 _MANAGERS = (_TYPE.GIMBAL, _TYPE.CAMERA, _TYPE.ONBOARD_CONTROLLER)
 _MAX_ATTACHED, _MAX_COMPONENT = 6, 255
 
@@ -115,7 +115,7 @@ async def find_gimbals(vehicle: Vehicle, *, timeout: float | None = None) -> tup
     for number, answer in enumerate(answers):
         if isinstance(answer, BaseException):
             if number and isinstance(answer, RemoteError):
-                continue  # a payload that does not answer hides no gimbal of the autopilot
+                continue  # a payload that does not answer must not hide the gimbals of the autopilot
             raise answer
         found += answer
     return tuple(found)

@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: The time in which the reason of a refusal may arrive after it, in seconds.
+#: The time after a refusal in which its reason may arrive, in seconds.
 REASON_TIMEOUT = 0.6
-#: The time in which the texts of one reason arrive, in seconds.
+#: The time in which all texts of one reason arrive, in seconds.
 REASON_SPAN = 0.1
-#: Less severe texts are reasons only of a refusal, if they arrive before it and no warning does: ArduPilot
-#: says by a text of severity INFO why a servo output cannot be set.
+#: The severity from which a text is a reason. A less severe text is a reason only if it arrives before a
+#: refusal without a warning: ArduPilot explains by a text of severity INFO why a servo output cannot be set.
 MIN_SEVERITY = common.MavSeverity.WARNING
 MAX_TEXTS = 6
-#: Warnings without a reason: the reason is in a less severe text before them (ArduRover).
+#: Warnings without a reason: ArduRover sends the reason before them, in a less severe text.
 _WITHOUT_REASON: Final = frozenset({"Flight mode change failed"})
 
 

@@ -32,11 +32,13 @@ if TYPE_CHECKING:
 _CMD: Final = common.MavCmd
 #: Param 2 of COMPONENT_ARM_DISARM that makes ArduPilot and PX4 skip their checks.
 FORCE: Final = 21196.0
-#: The time in which a heartbeat confirms the armed state, in seconds: one per second, and some may be lost.
+#: The time in which a heartbeat must confirm the armed state, in seconds: heartbeats arrive once per second,
+#: and some may be lost.
 CONFIRMATION_TIMEOUT: Final = 10.0
-#: The time in which a vehicle is back after a reboot, in seconds.
+#: The time in which a vehicle must be back after a reboot, in seconds.
 REBOOT_TIMEOUT: Final = 60.0
-#: The time to wait for the vehicle's clock before a reboot, in seconds: only the clock shows a quick reboot.
+#: The time to wait for the vehicle's clock before a reboot, in seconds: only the clock shows that a quick
+#: reboot happened.
 CLOCK_TIMEOUT: Final = 3.0
 _ARMING: Final = "arming"
 _ALLOW: Final = "allow_flight=True (--allow-flight) arms it anyway"

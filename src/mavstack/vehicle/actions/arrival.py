@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The time in which a vehicle has to be slow within its tolerance, in seconds.
+#: The time for which a vehicle within its tolerance must be slow, in seconds.
 SETTLED_TIME: Final = 1.0
-#: A rover brakes when it enters its stopping radius; one that stands still for this time in seconds, at a
-#: distance of up to this multiple of the tolerance, does not come nearer.
+#: A rover brakes when it enters its stopping radius. If it then does not move for this time in seconds,
+#: within `_BRAKING_FACTOR` times the tolerance, it does not come nearer.
 STANDING_TIME: Final = 3.0
 _BRAKING_FACTOR: Final = 3.0
 #: A vehicle that stays within its tolerance for this time in seconds has arrived, even if it moves: a boat
@@ -72,7 +72,7 @@ DEFAULTS: Final[Mapping[VehicleType, Tolerance]] = MappingProxyType(
     }
 )
 _OTHER: Final = Tolerance(1.0, 1.0, 0.5)
-#: The tolerance of the altitude of a wing, in metres.
+#: The altitude tolerance of a vehicle that flies on a wing, in metres.
 WING_HEIGHT: Final = 5.0
 
 

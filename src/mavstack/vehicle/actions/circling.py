@@ -23,18 +23,20 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import Position
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The largest ratio of the distances of a stretch.
+#: The largest ratio of the distances from the centre in one stretch of positions.
 _MAX_RATIO: Final = 1.3
-#: The angle of a stretch that no straight pass sweeps, in degrees.
+#: The angle of a stretch in degrees that shows a circle: the stretch of a straight pass sweeps less.
 QUARTER: Final = 90.0
-#: The angle after which a circle does not change any more by itself, in degrees.
+#: The angle of a whole circle in degrees; a stretch keeps no older positions.
 WHOLE: Final = 360.0
-#: The smallest step between two samples: metres, and a part of the distance.
+#: The smallest step between two samples, in metres.
 _MIN_STEP: Final = 0.2
+#: The smallest step between two samples, as a fraction of the distance from the centre.
 _MIN_STEP_PART: Final = 0.02
-#: The bearing from a nearer place is not certain, in metres.
+#: The distance from the centre in metres below which the bearing is not certain.
 _MIN_DISTANCE: Final = 1.0
-#: The angle in degrees that a vehicle turns back before a new stretch begins, above the positions' noise.
+#: The angle in degrees by which a vehicle turns back before a new stretch begins; larger than the noise of
+#: positions.
 _REVERSAL: Final = 5.0
 _MAX_SAMPLES: Final = 1000
 

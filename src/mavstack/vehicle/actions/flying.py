@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 _HEADING_TOLERANCE: Final = 5.0
-#: The time without progress of a wing, which turns and climbs on its way, in seconds.
+#: The time without progress after which a call fails on a wing, in seconds: such a vehicle turns and climbs
+#: on its way.
 _WING_STALL_TIMEOUT: Final = 60.0
 
 

@@ -62,6 +62,7 @@ async def set_home(
             )  # fmt: skip
         await with_status_texts(vehicle, command)
         try:
-            await component.request_message(common.HomePosition)  # the stored one is out of date
+            # requested, because the stored position is out of date
+            await component.request_message(common.HomePosition)
         except RemoteError:
             return

@@ -23,11 +23,12 @@ from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
-#: A vehicle that circles home for this time does not land, in seconds: some quadplanes stay there.
+#: A vehicle that circles home for this time in seconds will not land: some quadplanes stay there.
 CIRCLING_TIME: Final = 30.0
-#: The time in which the remaining distance of a return may not fall, in seconds.
+#: The time for which the remaining distance of a return need not decrease, in seconds.
 _RETURN_STALL_TIMEOUT: Final = 90.0
-#: The same for a wing that keeps its altitude in a landing pattern, and for a return to an unknown home.
+#: The same time for a vehicle on a wing that keeps its altitude in a landing pattern, and for an unknown
+#: home.
 _PATTERN_STALL_TIMEOUT: Final = 600.0
 
 

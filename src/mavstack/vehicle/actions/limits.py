@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from mavstack.vehicle.geography import Location
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The highest target above home, in metres; below it, a vehicle that does not fly goes as deep.
+#: The highest target above home in metres, and the lowest target below home of a vehicle that does not fly.
 MAX_ALTITUDE: Final = 10_000.0
-#: The longest way to a target, in metres.
+#: The longest distance to a target in metres.
 MAX_DISTANCE: Final = 100_000.0
 #: The time in which a check waits for the first position of the vehicle, in seconds.
 POSITION_CHECK_TIMEOUT: Final = 2.0
-#: A target this far away, in metres, that a vehicle refuses without a status text is probably too far for it.
+#: A target farther away than this, in metres, that a vehicle refuses without a status text is probably too
+#: far for it.
 _FAR_DISTANCE: Final = 10_000.0
 _REMEDY: Final = "override_limits=True sends it anyway"
 

@@ -16,11 +16,13 @@ if TYPE_CHECKING:
     from mavstack.vehicle.geography import Location
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The smallest tolerance of a radius in metres, and the part of the radius: on rotors, and on a wing.
+#: The smallest tolerance of a radius on rotors in metres, and the tolerance as a fraction of the radius.
 _HOVER_TOLERANCE: Final = (1.0, 0.1)
+#: The same two tolerances on a wing.
 _WING_TOLERANCE: Final = (10.0, 0.25)
-#: The way along the circle, in metres, after which a vehicle on rotors is on it; and its bounds in degrees.
+#: The distance along the circle in metres after which a vehicle on rotors is taken to fly the circle.
 _PROOF: Final = 50.0
+#: The smallest and the largest angle of this distance, in degrees.
 _MIN_PROOF, _MAX_PROOF = 15.0, 60.0
 
 

@@ -34,11 +34,12 @@ def airborne(vehicle: Vehicle) -> str | None:
     return "it is on the ground; take off first" if grounded else None
 
 
-#: The call of any command: one that reads is allowed while several vehicles use one system id.
+#: The key of the call that sends any command. A command that reads is allowed while several vehicles use one
+#: system id.
 ANY_COMMAND: Final = "command"
 #: The preconditions of every call that acts on a vehicle.
 ALWAYS: Final[tuple[Precondition, ...]] = ()
-#: The preconditions of each call; the calls without any need only `ALWAYS`.
+#: The preconditions of each call; an empty tuple means that the call needs only `ALWAYS`.
 PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
     {
         "takeoff": (armed,),

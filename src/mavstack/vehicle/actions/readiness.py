@@ -45,18 +45,18 @@ _HEALTH_RATES: Final[tuple[tuple[type[Message], float], ...]] = (
     (common.BatteryStatus, 0.5),
 )
 _ESTIMATOR_RATE = 1.0
-#: The time in which an estimator reports, in seconds; without a report the pre-arm bit alone counts.
+#: The time in which an estimator must report, in seconds; without a report only the pre-arm bit counts.
 _ESTIMATOR_TIMEOUT = 4.0
-#: The time in which a radio control receiver may appear, in seconds.
+#: The time in which a radio control receiver must appear, in seconds.
 _RADIO_TIMEOUT = 5.0
 _EKF: Final = ardupilotmega.EkfStatusFlags
-#: One of these is the position that ArduPilot needs; it accepts the predicted one before arming.
+#: ArduPilot needs one of these positions; before arming it accepts a predicted one.
 _POSITION: Final = _EKF.POS_HORIZ_ABS | _EKF.POS_HORIZ_REL | _EKF.PRED_POS_HORIZ_ABS | _EKF.PRED_POS_HORIZ_REL
-#: The messages whose problems keep a vehicle from being armed that does not report its checks.
+#: The messages whose problems prevent arming, for a vehicle that does not report its checks.
 _DECISIVE: Final = frozenset({"STATUSTEXT", "HEARTBEAT", "GPS_RAW_INT"})
-#: Those that count as well unless the mode needs no position.
+#: Further messages whose problems prevent arming, unless the mode needs no position.
 _DECISIVE_FOR_POSITION: Final = frozenset({"EKF_STATUS_REPORT", "ESTIMATOR_STATUS"})
-#: The time without such a problem after which it counts as ready, in seconds.
+#: The time without such a problem after which such a vehicle counts as ready, in seconds.
 _TROUBLE_FREE_TIME: Final = 3.0
 _RADIO: Final = common.MavSysStatusSensor.SENSOR_RC_RECEIVER
 _OPERATION = "waiting for the readiness of"

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 MAX_SYSTEM_ID: Final = 255
-#: Seconds to find out which of its parameters a firmware has.
+#: Seconds to find out which parameter holds the system id of a firmware.
 PARAMETER_TIMEOUT: Final = 5.0
-#: Seconds in which a vehicle speaks with its new id if it needs no reboot.
+#: Seconds in which a vehicle must use its new id if it needs no reboot.
 CHANGE_TIMEOUT: Final = 3.0
-#: Seconds in which a vehicle is back after a reboot.
+#: Seconds in which a vehicle must be back after a reboot.
 REBOOT_TIMEOUT: Final = 60.0
 _OPERATION: Final = "renumbering"
 
@@ -85,7 +85,7 @@ async def renumber(
         if vehicle.armed:
             raise InvalidStateError(f"{_OPERATION} {vehicle.address} failed: it is armed; disarm it first")
         name = await _parameter_of(vehicle, names)
-        with suppress(ParameterTimeout):  # the vehicle may answer with its new id
+        with suppress(ParameterTimeout):  # the answer may come from the new id
             await vehicle.component.params.set(name, wanted)
         rebooted = not await _speaks(vehicle, wanted, CHANGE_TIMEOUT)
         if rebooted:
@@ -131,5 +131,5 @@ async def _speaks(vehicle: Vehicle, system: int, seconds: float) -> bool:
         await vehicle.connection.wait_for_autopilot(system, timeout=seconds)
     except RemoteTimeout:
         return False
-    await asyncio.sleep(0)  # lets the events of its discovery come first
+    await asyncio.sleep(0)  # lets the events of the vehicle's discovery run first
     return True

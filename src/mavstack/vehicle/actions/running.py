@@ -38,7 +38,7 @@ async def run_action(
             if wait:
                 await monitor.wait_until_reached(goal())
     finally:
-        request.close()  # if it was never awaited
+        request.close()  # for a coroutine that was never awaited
 
 
 def relative_altitude_of(vehicle: Vehicle) -> float | None:

@@ -20,10 +20,11 @@ from mavstack.vehicle.vehicle_type import VehicleType
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The distance to the altitude of a takeoff within which a vehicle that hovers has reached it, in metres.
+#: The distance to the takeoff altitude, in metres, within which a hovering vehicle has reached it.
 TAKEOFF_TOLERANCE: Final = 0.5
-#: A vehicle has settled when its altitude changed by less than the span (m) in the time (s); a vehicle that
-#: settles farther away, since its estimate of home drifts, needs the longer time.
+#: A vehicle has settled when its altitude changed by less than the span (m) in the time (s).
+#: `TAKEOFF_RESTING_TIME` is for a vehicle that settles farther from the altitude, because its estimate of
+#: home drifts.
 TAKEOFF_SETTLING_SPAN: Final = 0.3
 TAKEOFF_SETTLING_TIME: Final = 1.0
 TAKEOFF_RESTING_TIME: Final = 6.0
@@ -62,7 +63,8 @@ async def takeoff(
     if reason := await firmware.reason_against_takeoff(altitude):
         raise refusal(vehicle, operation, reason)
     wing = vehicle.vehicle_type is VehicleType.PLANE
-    # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
+    # ArduPlane ends its climb some metres below the altitude, which it counts from the start position, not
+    # from home.
     tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
     near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
     at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
@@ -75,7 +77,8 @@ async def takeoff(
 
     def reached() -> bool:
         rest, height = remaining(), relative_altitude_of(vehicle)
-        if vehicle.in_air is False:  # ArduPlane reports its altitude above the sea until it knows home
+        # its altitude may be wrong: ArduPlane reports it above the sea until it knows home
+        if vehicle.in_air is False:
             return False
         if wing or rest is None:
             return rest is not None and rest <= tolerance

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 #: The rate at which WINCH_STATUS is requested, in hertz.
 STATUS_RATE: Final = 4.0
-#: A status that is younger is current, and any other is waited for this long, in seconds.
+#: A younger status is current; otherwise a new status is waited for this long, in seconds.
 STATUS_TIMEOUT: Final = 2.0
-#: The line is as long as asked for if it differs by less, in metres.
+#: The difference in metres up to which the line has the requested length.
 LENGTH_TOLERANCE: Final = 0.1
 #: Speed below which a winch counts as stopped, in m/s.
 _STANDSTILL: Final = 0.02

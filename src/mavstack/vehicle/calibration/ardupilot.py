@@ -72,7 +72,8 @@ _CALIBRATE_AT_POWER_UP: Final = 3
 _RAISE_THROTTLE: Final = "Raise the throttle slowly, lower it again, then confirm."
 _HOLD_STILL: Final = "Hold the vehicle still."
 _AIRSPEED: Final = re.compile(r"Airspeed (\d+) (calibration started|calibrated|unhealthy)")
-#: The time in which the airspeed sensors are calibrated, in seconds.
+#: The time after which the calibration of the airspeed sensors has ended even without a status text, in
+#: seconds.
 _AIRSPEED_TIME: Final = 15.0
 
 
@@ -100,7 +101,7 @@ async def _airspeed(conversation: Conversation) -> None:
     conversation.emit_step(CalibrationTask.SHIELD_PITOT, text)
     await conversation.start(*_ARGUMENTS[conversation.kind], progress=text)
     now = conversation.vehicle.connection.now
-    late = now() + _AIRSPEED_TIME  # the text may be lost
+    late = now() + _AIRSPEED_TIME  # the text that reports the end may be lost
     await conversation.wait(lambda: started <= ended or now() >= late)
     conversation.running = False
 
@@ -111,7 +112,7 @@ async def _accelerometer(conversation: Conversation) -> None:
     def receive(message: Message) -> None:
         match message:
             case common.CommandLong(command=_CMD.ACCELCAL_VEHICLE_POS, param1=position):
-                # The result of an earlier calibration is repeated until a position is requested.
+                # ArduPilot repeats the result of an earlier calibration until it requests a position.
                 if requested or position in _POSES:
                     requested.append(int(position))
 
@@ -155,7 +156,7 @@ async def _compass(conversation: Conversation) -> None:
     def reported(message: Message) -> None:
         nonlocal mask
         report = cast("common.MagCalReport", message)
-        if report.compass_id in done:  # else it is the report of an earlier calibration
+        if report.compass_id in done:  # otherwise the report belongs to an earlier calibration
             mask |= report.cal_mask
             reports[report.compass_id] = report
 
@@ -203,7 +204,7 @@ async def _compass_motor(conversation: Conversation) -> None:
             CalibrationTask.RAISE_THROTTLE, f"{_RAISE_THROTTLE} {effect}.", needs_confirmation=True
         )
 
-    conversation.armed = None  # its motors run
+    conversation.armed = None  # armed or not, because this calibration runs the motors
     conversation.on_text = on_text
     await conversation.start(*_ARGUMENTS[conversation.kind])
     conversation.emit_step(CalibrationTask.RAISE_THROTTLE, _RAISE_THROTTLE, needs_confirmation=True)
@@ -277,7 +278,7 @@ async def _cancel_nothing(vehicle: Vehicle) -> None:
     del vehicle
 
 
-#: The procedure of each kind.
+#: The procedure of each kind of calibration.
 PROCEDURES: Final[Mapping[CalibrationKind, Procedure]] = MappingProxyType(
     {
         CalibrationKind.ACCELEROMETER: Procedure(

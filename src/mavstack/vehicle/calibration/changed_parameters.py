@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.vehicle import Vehicle
 
-#: Seconds for all parameters together.
+#: Timeout in seconds of the refresh of all parameters together.
 REFRESH_TIMEOUT: Final = 5.0
-#: The names of the parameters of ArduPilot and PX4 by the calibration that changes them, as patterns.
+#: Patterns of the names of the ArduPilot and PX4 parameters that each calibration changes.
 CALIBRATED: Final[Mapping[CalibrationKind, tuple[str, ...]]] = MappingProxyType(
     {
         CalibrationKind.ACCELEROMETER: ("INS*_ACC*", "AHRS_TRIM_?", "CAL_ACC*"),

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from mavstack.vehicle.calibration.kinds import CalibrationKind, Pose
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The time in which the vehicle gives no sign of progress after which a calibration fails, in seconds.
+#: The time without a sign of progress after which a calibration fails, in seconds.
 STALL_TIMEOUT = 30.0
-#: The same while a person turns the vehicle: PX4 waits so long for each side.
+#: The same time while a person turns the vehicle: PX4 waits this long for each side.
 TURN_TIMEOUT = 120.0
 
 
@@ -45,7 +45,7 @@ class Conversation:
     ) -> None:
         self.vehicle = vehicle
         self.kind = kind
-        #: The last step.
+        #: The latest step of the calibration.
         self.step: CalibrationStep | None = None
         self.result = CalibrationResult(kind)
         #: True once the vehicle has accepted the calibration, until it reports its end.
@@ -54,7 +54,7 @@ class Conversation:
         self.on_text: Callable[[str], object] = lambda _: None
         #: The reason of the failure that the vehicle reported.
         self.problem: str | None = None
-        #: The armed state in which the calibration goes on; None: either.
+        #: The armed state in which the calibration continues; None: either state.
         self.armed: bool | None = False
         self._monitor = monitor
         self._steps = steps
@@ -96,7 +96,7 @@ class Conversation:
         """Note the confirmation of the step."""
         self._confirmed = True
 
-    # The vehicle
+    # Communication with the vehicle
 
     async def command(self, command: int, *params: float, progress: str | None = None) -> None:
         """Send a command; `progress` is the text of the steps that report its progress."""

@@ -46,7 +46,7 @@ _ARGUMENTS: Final[Mapping[CalibrationKind, tuple[int, ...]]] = MappingProxyType(
         CalibrationKind.ESC: (0, 0, 0, 0, 0, 0, 1),
     }
 )
-#: PX4 names a side by the end of the vehicle that is down, except "up": upside down.
+#: PX4 names a side by the end of the vehicle that points down, with one exception: "up" means upside down.
 _POSES: Final[Mapping[str, Pose]] = MappingProxyType(
     {
         "down": Pose.LEVEL,
@@ -58,7 +58,7 @@ _POSES: Final[Mapping[str, Pose]] = MappingProxyType(
     }
 )
 _TURNED: Final = frozenset({CalibrationKind.ACCELEROMETER, CalibrationKind.COMPASS})
-#: The beginnings of texts that name a task.
+#: The beginnings of the texts that name a task.
 _TASKS: Final[tuple[tuple[str, CalibrationTask], ...]] = (
     ("Rotate vehicle", CalibrationTask.ROTATE),
     ("Continue rotation", CalibrationTask.ROTATE),
@@ -69,14 +69,16 @@ _TASKS: Final[tuple[tuple[str, CalibrationTask], ...]] = (
     ("Create air pressure", CalibrationTask.BLOW_PITOT),
     ("Connect battery", CalibrationTask.CONNECT_BATTERY),
 )
-#: The number of requests to cancel, and the time between two, in seconds.
+#: The largest number of requests to cancel.
 _CANCELLATIONS: Final = 4
+#: Seconds between two requests to cancel.
 _CANCEL_INTERVAL: Final = 1.0
-#: PX4 refuses a calibration for about a second after it has reported the end of another one: the number of
-#: requests, and the time between two, in seconds.
+#: The largest number of requests to start: PX4 refuses a calibration for about a second after it has reported
+#: the end of another one.
 _STARTS: Final = 8
+#: Seconds between two requests to start.
 _START_INTERVAL: Final = 0.5
-#: The compass reports its progress with the side that is turned.
+#: A progress report; the compass calibration adds the side that is turned.
 _PROGRESS: Final = re.compile(r"(?:\w+ side calibration: )?progress <(\d+)>")
 _SIDE: Final = re.compile(r"(\w+) (orientation detected|side done|side already completed)")
 
@@ -119,9 +121,9 @@ class _Reader:
         elif state == "done":
             self.done = True
         elif state == "failed":
-            reason = rest.strip()  # or the name of the sensor
+            reason = rest.strip()  # a reason, or the name of the sensor
             conversation.problem = reason if " " in reason else "the vehicle reported a failure"
-        elif state == "cancelled" and self._begun:  # else it is an earlier one
+        elif state == "cancelled" and self._begun:  # otherwise an earlier calibration was cancelled
             conversation.problem = "it was cancelled"
 
     def _read_side(self, pose: Pose, what: str) -> None:
@@ -162,7 +164,7 @@ class _Reader:
         step = self._conversation.step
         task = next((task for start, task in _TASKS if words.startswith(start)), None)
         if task is None or (self._turns and step is not None and step.task is task):
-            return  # PX4's remarks, and texts that repeat the step
+            return  # a remark of PX4, or a text that repeats the present step
         pose = None if step is None else step.pose
         text = f"{words.rstrip('.')}."
         self._conversation.emit_step(task, text, pose=pose, pending=self._pending, progress=self._progress)
@@ -225,7 +227,8 @@ async def _cancel_radio(vehicle: Vehicle) -> None:
     await vehicle.component.command(_CMD.PREFLIGHT_CALIBRATION)
 
 
-#: The procedure of each kind. The vehicle detects everything but the sticks.
+#: The procedure of each kind of calibration. Only the radio calibration needs confirmations of the user; the
+#: vehicle detects the end of all other steps.
 PROCEDURES: Final[Mapping[CalibrationKind, Procedure]] = MappingProxyType(
     {kind: Procedure(_calibrate, _cancel) for kind in _ARGUMENTS}
     | {CalibrationKind.RADIO: Procedure(_radio, _cancel_radio, needs_confirmation=True)}

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 #: The rate of RC_CHANNELS during a calibration, in hertz.
 _RATE: Final = 10.0
-#: A channel that moves less is left alone, in microseconds.
+#: A channel whose pulses change less than this, in microseconds, is not calibrated.
 MIN_TRAVEL: Final = 300
-#: The pulses of a receiver, in microseconds; others mean that a channel is not used.
+#: The valid pulses of a receiver, in microseconds; other values mean that a channel is not used.
 _PULSES: Final = range(700, 2500)
 _MOVE: Final = "Move all sticks, switches and dials to both of their ends, several times; then confirm."
 _CENTER: Final = "Center the sticks and put the throttle all the way down; then confirm."

@@ -40,7 +40,8 @@ class CalibrationSession(ReadOnly):
         self._procedure = procedure
         self._timeout = timeout
         self._conversation: Conversation | None = None
-        self._steps: asyncio.Queue[CalibrationStep | None] = asyncio.Queue()  # None at the end
+        # None: the calibration has ended
+        self._steps: asyncio.Queue[CalibrationStep | None] = asyncio.Queue()
         self._task: asyncio.Task[CalibrationResult] | None = None
 
     @property
@@ -126,7 +127,7 @@ class CalibrationSession(ReadOnly):
         if not ended and (step := await self._steps.get()) is not None:
             return step
         await asyncio.wait([self._task])
-        self._task.result()  # raises the error of a failure
+        self._task.result()  # raises the error if the calibration failed
         raise StopAsyncIteration
 
     async def __aexit__(
@@ -137,4 +138,4 @@ class CalibrationSession(ReadOnly):
             task.cancel()
             await asyncio.wait([task])
         if task is not None and not task.cancelled():
-            task.exception()  # retrieved: the iteration has raised it, or was ended early
+            task.exception()  # marks the error as retrieved: the iteration has raised it, or was ended early

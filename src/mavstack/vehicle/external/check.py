@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.external.external import External
     from mavstack.vehicle.vehicle import Vehicle
 
-#: Seconds for one parameter, which a vehicle without it does not answer.
+#: Timeout of one parameter in seconds; a vehicle that lacks the parameter does not answer.
 _PARAMETER_TIMEOUT: Final = 3.0
 _STATUS_AGE: Final = 3.0
 
@@ -59,7 +59,7 @@ async def check(
 async def _parameters(vehicle: Vehicle, timeout: float) -> dict[str, float]:
     found: dict[str, float] = {}
     for name in PARAMETERS.get(vehicle.autopilot, ()):
-        with suppress(RemoteError):  # the vehicle has none of that name
+        with suppress(RemoteError):  # the vehicle does not have the parameter
             found[name] = float((await vehicle.params.get(name, timeout=timeout)).value)
     return found
 

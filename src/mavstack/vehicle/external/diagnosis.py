@@ -23,7 +23,7 @@ MIN_RATES: Final[Mapping[int, float]] = MappingProxyType(
     {common.MavAutopilot.ARDUPILOTMEGA: 1 / 0.3, common.MavAutopilot.PX4: 5.0}
 )
 _SOURCES: Final = MappingProxyType({0: "none", 1: "barometer or compass", 3: "GPS", 4: "beacon", 5: "flow"})
-#: The parameters of ArduPilot that select the source of each part.
+#: The ArduPilot parameters that select the source of each part of the estimate.
 _ARDUPILOT_PARTS: Final = (
     ("position", "EK3_SRC1_POSXY"), ("velocity", "EK3_SRC1_VELXY"), ("yaw", "EK3_SRC1_YAW"),
 )  # fmt: skip
@@ -122,7 +122,8 @@ def _ardupilot(facts: EstimatorFacts) -> Iterator[str]:
         yield f"AHRS_EKF_TYPE is {known['AHRS_EKF_TYPE']:g}: set it to 3 (EKF3)"
     for part, name in _ARDUPILOT_PARTS:
         source = known.get(name)
-        # ArduPilot fuses positions without velocities and headings of its compass: only positions are needed.
+        # ArduPilot can use external positions without external velocities, and with headings of its compass:
+        # only the source of the position must be external.
         if part == "position" and part in facts.parts and source is not None and source != _EXTERNAL_NAV:
             word = _SOURCES.get(int(source), "another source")
             yield f"{name} is {source:g} ({word}): set it to {_EXTERNAL_NAV} (ExternalNav)"

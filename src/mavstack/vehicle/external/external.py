@@ -41,10 +41,10 @@ class External(ReadOnly):
     def __init__(self, vehicle: Vehicle) -> None:
         #: The vehicle.
         self.vehicle = vehicle
-        #: The rate and the age of the estimates.
+        #: Measures the rate and the age of the estimates.
         self.monitor = StreamMonitor()
 
-    # Where the vehicle is
+    # Estimates of the position and the attitude of the vehicle
 
     def odometry(
         self,
@@ -156,7 +156,7 @@ class External(ReadOnly):
     set_origin = positioning.set_origin
     gps = positioning.gps
 
-    # Its surroundings
+    # Surroundings of the vehicle
 
     obstacles = surroundings.obstacles
     distance = surroundings.distance

@@ -48,7 +48,7 @@ class RecordKind(NamedTuple):
         return self.columns == _POSE
 
 
-#: The kinds by their names.
+#: The kinds of records by name.
 KINDS: Final[Mapping[str, RecordKind]] = MappingProxyType(
     {
         "odometry": RecordKind(External.odometry, _POSE),
@@ -61,7 +61,7 @@ KINDS: Final[Mapping[str, RecordKind]] = MappingProxyType(
         "follow-target": RecordKind(External.follow_target, _PLACE),
     }
 )
-#: Columns that are parts of an argument.
+#: Columns that are components of an argument: the argument, and the index of the component.
 _PARTS: Final[Mapping[str, tuple[str, int]]] = MappingProxyType(
     {
         column: (argument, index)

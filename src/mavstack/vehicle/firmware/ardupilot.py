@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 _GUIDED: Final = frozenset({"guided"})
 _WINGED: Final = frozenset({VehicleType.PLANE, VehicleType.VTOL})
-#: The version of ArduPlane whose DO_REPOSITION has a radius.
+#: The first version of ArduPlane whose DO_REPOSITION has a radius.
 _REPOSITION_RADIUS: Final = (4, 3)
 _ATTITUDE_ONLY: Final = (
     "ArduPlane follows attitudes only: use goto(), or begin with guided(first=AttitudeSetpoint(...))"
@@ -53,26 +53,29 @@ _NO_POSITION_MODES: Final = frozenset(
     {"stabilize", "acro", "alt_hold", "sport", "flip", "autotune", "manual", "hold", "steering", "flowhold"}
     | {"systemid", "turtle", "guided_nogps", "surface", "motordetect"}
 )
-#: AUTO_OPTIONS: arming is allowed in AUTO.
+#: Bit of AUTO_OPTIONS: arming is allowed in AUTO.
 _ARMING_IN_AUTO: Final = 1
-#: Q_OPTIONS: arming is allowed in modes of a quadplane only, and in those that do not look at this option.
+#: Bit of Q_OPTIONS: arming is allowed only in quadplane modes, and in the modes that do not check this
+#: option.
 _ARMING_IN_Q_MODES_ONLY: Final = 1 << 18
 _WITHOUT_Q_CHECK: Final = frozenset({"auto", "guided", "loiter_alt_qland"})
-#: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
+#: Bit of CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
 _CENTER_AT_ENTRY: Final = 4
 _NO_LANDING: Final = (
     "its mission has no landing sequence and it has no AUTOLAND mode: "
     "upload a mission with DO_LAND_START and NAV_LAND, or let it circle home by rtl()"
 )
-#: The altitude to which a plane takes off.
+#: The parameter that holds the takeoff altitude of a plane.
 _TAKEOFF_ALTITUDE: Final = "TKOFF_ALT"
-#: A plane on its take-off run reports that it flies; below this height above home it may take off, in metres.
+#: A plane on its takeoff run reports that it flies; below this height above home, in metres, it may still
+#: take off.
 _MIN_FLYING_HEIGHT: Final = 2.0
 _CLIMB_REMEDY: Final = "go to another altitude by goto() or move()"
 _RADIUS: Final = RENAMED["CIRCLE_RADIUS"]
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
-#: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
+#: The throttle channel if RCMAP_THROTTLE is not known.
 _DEFAULT_THROTTLE_CHANNEL: Final = 3
+#: The middle and the dead zone of the throttle channel in microseconds.
 _THROTTLE_MIDDLE: Final = 1500
 _THROTTLE_DEAD_ZONE: Final = 100
 
@@ -84,7 +87,7 @@ class ArduPilot(Firmware):
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
             "takeoff": _GUIDED | {"takeoff"},
-            # A plane lands in AUTO, by its mission.
+            # A plane lands in AUTO, by a landing sequence in its mission.
             "land": frozenset({"land", "qland", "auto", "auto_rtl", "autoland"}),
             "rtl": frozenset({"rtl", "qrtl", "smart_rtl", "auto_rtl", "auto"}),
             "goto": _GUIDED,
@@ -113,11 +116,11 @@ class ArduPilot(Firmware):
     )
     COMMANDS: ClassVar[type[MavEnum]] = ardupilotmega.MavCmd
     ESTIMATOR_MESSAGE: ClassVar[type[Message]] = ardupilotmega.EkfStatusReport
-    #: A boat drifts in its circle before it uses its motors again.
+    #: A boat that holds its position drifts within LOIT_RADIUS before it uses its motors again.
     STOPPING_RADII: ClassVar[Mapping[VehicleType, Mapping[str, float]]] = MappingProxyType(
         {VehicleType.ROVER: {"WP_RADIUS": 2.0}, VehicleType.BOAT: {"WP_RADIUS": 2.0, "LOIT_RADIUS": 2.0}}
     )
-    #: All failed checks are sent in one run, when requested and every half minute.
+    #: All failed checks are sent in one run, on request and every half minute.
     PREARM_RUN: ClassVar[float] = 3.0
     PREARM_LIFETIME: ClassVar[float] = 40.0
     RAW_IMU_IS_SCALED: ClassVar[bool] = True
@@ -200,7 +203,7 @@ class ArduPilot(Firmware):
         """Go by DO_REPOSITION, or by a setpoint where an older version does not support the command."""
         await self.changes.set_mode("GUIDED")
         altitude = await self._altitude_of(location)
-        # For a wing this param is the direction of the circle.
+        # For a vehicle on a wing this param is the direction of the circle.
         heading = 0.0 if yaw is None or self._type in _WINGED else self.yaw_of(yaw)
         try:
             await self.command(
@@ -337,14 +340,16 @@ class ArduPilot(Firmware):
         await self.command(ardupilotmega.MavCmd.SET_EKF_SOURCE_SET, number)
 
     async def _altitude_of(self, location: Location) -> float:
-        if not self._type.has_altitude:  # ArduRover 4.1 reports one above the sea as one above home
+        # ArduRover 4.1 reports an altitude above the sea as an altitude above home
+        if not self._type.has_altitude:
             return 0.0
         altitude = location.altitude
         return await self.vehicle.get_relative_altitude() if altitude is None else altitude
 
     async def _check_throttle(self) -> None:
         """Raise if the throttle stick is off its middle: in CIRCLE a copter climbs and sinks by it."""
-        with suppress(RemoteError):  # an older one, or one without a receiver, does not send it
+        # an older ArduPilot, or one without a receiver, does not send RC_CHANNELS
+        with suppress(RemoteError):
             await self.vehicle.component.request_message(common.RcChannels, timeout=REQUEST_TIMEOUT)
         channel = self.vehicle.params.cached.get("RCMAP_THROTTLE")
         pulse = self.vehicle.rc_pulse(_DEFAULT_THROTTLE_CHANNEL if channel is None else int(channel.value))
@@ -365,7 +370,7 @@ class ArduPilot(Firmware):
         params = self.vehicle.params
         clockwise = 1.0 if radius > 0 else -1.0
         await self._set_circle_radius(abs(radius))
-        if speed is None:  # keep the rate that is set, in the direction asked for
+        if speed is None:  # keep the angular rate that is set, in the requested direction
             rate = abs(float((await params.get("CIRCLE_RATE")).value))
         else:
             rate = degrees(speed / abs(radius))

@@ -14,7 +14,8 @@ from mavstack.vehicle.vehicle_type import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: The mode in which each vehicle type stays where it is; it needs no throttle stick where there is a choice.
+#: The mode in which each vehicle type stays where it is; if there is a choice, a mode that does not use the
+#: throttle stick.
 HOLD: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
         VehicleType.COPTER: "BRAKE",
@@ -29,14 +30,14 @@ HOLD: Final[Mapping[VehicleType, str]] = MappingProxyType(
 LAND: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
 )
-#: Modes of a wing that take the throttle.
+#: Modes of a vehicle on a wing that control the throttle.
 _WINGS: Final = frozenset({"takeoff", "auto", "autoland", "circle", "avoid_adsb", "thermal"})
 _SURFACE: Final = frozenset({"auto", "circle", "follow", "dock"})
-#: Modes that end on the ground, in which a plane does not arm again; in RTL since 4.2.
+#: Modes that end on the ground, and in which a plane does not arm (in RTL since version 4.2).
 _ENDING: Final = frozenset({"rtl", "qrtl", "qland", "initializing"})
 _ENDING_ON_SURFACE: Final = frozenset({"rtl", "smart_rtl", "initializing"})
 #: The modes in which each vehicle type does not arm, in lower case. A copter stays in RTL, LAND or AUTO after
-#: its landing. A submarine arms in all of its modes.
+#: its landing, and must leave the mode before it arms. A submarine arms in all of its modes.
 NO_ARMING: Final[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
     {
         VehicleType.COPTER: frozenset(
@@ -49,7 +50,7 @@ NO_ARMING: Final[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
         VehicleType.BOAT: _ENDING_ON_SURFACE,
     }
 )
-#: The modes in which an armed vehicle on the ground starts without a further command: a wing with automatic
+#: The modes in which an armed vehicle on the ground starts without a further command: a plane with automatic
 #: throttle runs along the ground as soon as it moves.
 SELF_STARTING: Final[Mapping[VehicleType, frozenset[str]]] = MappingProxyType(
     {

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The time in which the changes of a failed call are reversed, in seconds.
+#: Timeout in seconds of reversing the changes of a failed call.
 UNDO_TIMEOUT: Final = 8.0
 _ARM_DISARM: Final = common.MavCmd.COMPONENT_ARM_DISARM
 
@@ -56,11 +56,12 @@ class Changes:
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._reversals: list[_Reversal] = []
-        #: The parameters that the vehicle reads at the start of the action only, and their values before.
+        #: The former values of the changed parameters that the vehicle reads only at the start of the action.
         self._starting: dict[str, float] = {}
-        #: True once a request was sent that may have changed the mode, and one that may have armed.
+        #: True once a request was sent that may have changed the mode; True once a request was sent that may
+        #: have armed the vehicle.
         self.requested = self.arming_requested = False
-        #: The texts of the changes that remained when the call failed.
+        #: The texts that describe the changes that remained when the call failed.
         self.kept: tuple[str, ...] = ()
 
     @property

@@ -40,18 +40,18 @@ CMD: Final = common.MavCmd
 FRAME: Final = common.MavFrame
 _STANDARD: Final = common.MavStandardMode
 _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
-#: Param 2 of DO_REPOSITION: change the mode for it.
+#: Param 2 of DO_REPOSITION: the vehicle changes its mode for the command.
 CHANGE_MODE: Final = float(common.MavDoRepositionFlags.CHANGE_MODE)
-#: The words for calls that some vehicle types lack.
+#: The wording of calls in errors, for calls that some vehicle types lack.
 WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"takeoff": "take off", "land": "land", "rtl": "return by itself", "orbit": "orbit"}
 )
 #: The vehicle types that do not fly.
 GROUNDED: Final = frozenset(kind for kind in VehicleType if not kind.flies)
 _ACTUATORS_PER_SET: Final = 6
-#: The time in which a parameter or a message is requested before an action, in seconds.
+#: Timeout of a request for a parameter or a message before an action, in seconds.
 REQUEST_TIMEOUT: Final = 3.0
-#: The part by which a circle may differ from the one that was asked for.
+#: The fraction by which the radius of a circle may differ from the requested radius.
 _CIRCLE_DEVIATION: Final = 0.1
 #: Param 2 of DO_MOTOR_TEST: the throttle is in percent.
 _PERCENT: Final = float(common.MotorTestThrottleType.THROTTLE_PERCENT)
@@ -84,9 +84,9 @@ class Firmware(LoopBound):
     #: The mode in which each vehicle type waits on the ground when it is armed; empty: none is known.
     WAITING_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
 
-    #: The modes in which each vehicle type stays where it is, and in which it lands there; for the others
-    #: there are commands, or "LOITER" and "LAND".
+    #: The modes in which each vehicle type stays where it is; the other types use a command, or "LOITER".
     HOLD_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
+    #: The modes in which each vehicle type lands where it is; the other types use a command, or "LAND".
     LAND_MODES: ClassVar[Mapping[VehicleType, str]] = MappingProxyType({})
 
     #: The commands of the firmware's dialect.
@@ -106,17 +106,18 @@ class Firmware(LoopBound):
     RAW_IMU_IS_SCALED: ClassVar[bool] = False
     #: True if HIGH_LATENCY2's wind heading is the direction that the wind blows to.
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = False
-    #: True if `in_air` works.
+    #: True if the heartbeat shows whether the vehicle is in the air.
     HEARTBEAT_SHOWS_IN_AIR: ClassVar[bool] = False
     #: The features that every vehicle of the firmware has (True) or lacks (False).
     FEATURES: ClassVar[Mapping[str, bool]] = MappingProxyType({})
-    #: The parameters that enable an equipment, by its name.
+    #: The parameters that enable a piece of equipment, by its name.
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
-    #: The calls that no vehicle of the firmware has, and their words in errors: "takeoff": "take off".
+    #: The calls that no vehicle of the firmware supports, and their wording in errors: "takeoff": "take off".
     LACKING: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    #: The parameters that set how close to a place a vehicle type stops, in metres, with their usual values.
+    #: The parameters that set the distance in metres at which a vehicle type stops before a target, with
+    #: their usual values.
     STOPPING_RADII: ClassVar[Mapping[VehicleType, Mapping[str, float]]] = MappingProxyType({})
-    #: The vehicle types that lack a call with this firmware.
+    #: The vehicle types that lack a call with this firmware, by call.
     LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType({})
     #: The longest motor test that one command starts, in seconds.
     MAX_MOTOR_TEST: ClassVar[float] = inf
@@ -125,7 +126,7 @@ class Firmware(LoopBound):
 
     def __init__(self, vehicle: Vehicle, changes: Changes | None = None) -> None:
         self.vehicle = vehicle
-        #: The changes that the steps of the present call made.
+        #: The changes that were made by the steps of the present call.
         self.changes = Changes(vehicle) if changes is None else changes
 
     @classmethod
@@ -133,7 +134,7 @@ class Firmware(LoopBound):
         """Return a MAV_CMD as a member of the firmware's commands, which has a name; others unchanged."""
         return cls.COMMANDS(number) if int(number) in official_names(cls.COMMANDS) else number
 
-    # Reports of its state
+    # Reports of the vehicle's state
 
     @staticmethod
     def reports_prearm_check(status: common.SysStatus) -> bool:
@@ -200,7 +201,7 @@ class Firmware(LoopBound):
     def lands_in(self, mode: str | None) -> bool:
         """Return whether the vehicle lands in a mode."""
         name = (mode or "").lower()
-        # A plane that returned circles home until it gets another command.
+        # A plane that has returned in RTL circles home until it gets another command.
         circles = name == "rtl" and self.vehicle.vehicle_type is VehicleType.PLANE
         return name in self.LANDING_MODES and not circles
 

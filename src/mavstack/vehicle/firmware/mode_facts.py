@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.firmware.firmware import Firmware
 
 _T: Final = common.MavType
-#: A MAV_TYPE of each vehicle type that has modes.
+#: One MAV_TYPE for each vehicle type that has modes.
 _MAV_TYPES: Final[Mapping[VehicleType, int]] = MappingProxyType(
     {
         VehicleType.COPTER: _T.QUADROTOR,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.services.version import AutopilotVersion
 
 _STANDARD: Final = common.MavStandardMode
-#: The board of simulated flight controllers.
+#: The board identifier of simulated flight controllers.
 _SIMULATED: Final = b"SITL"
 
 _LACKING: Final[Mapping[str, str]] = MappingProxyType(
@@ -67,7 +67,7 @@ class MspFirmware(Firmware):
         {"osd": ("MSP_HAS_OSD",), "vtx": ("MSP_HAS_VTX",)}
     )
     LACKING: ClassVar[Mapping[str, str]] = _LACKING
-    #: All reasons are sent in one run, when they change and every half minute.
+    #: All reasons that prevent arming are sent in one run, when they change and every half minute.
     PREARM_RUN: ClassVar[float] = 3.0
     PREARM_LIFETIME: ClassVar[float] = 40.0
 

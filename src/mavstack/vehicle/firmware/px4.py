@@ -44,7 +44,7 @@ class Px4(Firmware):
             "orbit": frozenset({"orbit"}) | _HOLD,
             "turn": _HOLD,
             "guided": frozenset({"offboard"}),
-            # A mission that ends with a return or a landing continues in their modes.
+            # A mission that ends with a return or a landing continues in the mode RTL or LAND.
             "mission": frozenset({"mission", "rtl", "land"}),
             "end of mission": _HOLD,
         }
@@ -78,7 +78,7 @@ class Px4(Firmware):
         {kind: {"NAV_ACC_RAD": 0.5} for kind in (VehicleType.ROVER, VehicleType.BOAT)}
     )
     HIGH_LATENCY_WIND_TO: ClassVar[bool] = True
-    #: PX4 shortens longer tests, so that a motor stops soon after contact is lost.
+    #: PX4 shortens longer tests to this time, so that a motor stops soon after contact is lost.
     MAX_MOTOR_TEST: ClassVar[float] = 3.0
 
     @staticmethod

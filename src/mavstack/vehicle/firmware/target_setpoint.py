@@ -17,10 +17,11 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import Position
     from mavstack.vehicle.vehicle import Vehicle
 
-#: How often the setpoint is sent, and the seconds between.
+#: The largest number of times the setpoint is sent.
 ATTEMPTS: Final = 10
+#: Seconds between two of these setpoints.
 INTERVAL: Final = 0.5
-#: Metres within which two places are one.
+#: The distance in metres below which two places count as the same place.
 _SAME_PLACE: Final = 1.0
 
 

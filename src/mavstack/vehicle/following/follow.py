@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from mavstack.vehicle.following.radio import FollowOptions
     from mavstack.vehicle.vehicle import Vehicle
 
-#: How a follower is flown.
+#: The method by which a follower is controlled.
 Level: TypeAlias = Literal["setpoints", "radio"]
 LEVELS: Final[tuple[Level, ...]] = ("setpoints", "radio")
-#: Metres forward, right, up.
+#: Metres forward, right and up of the leader.
 DEFAULT_OFFSET: Final = (-10.0, 0.0, 0.0)
 
 

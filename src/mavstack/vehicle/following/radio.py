@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 _OPERATION: Final = "following with"
-#: Seconds in which the followers are held at the end, if one of them does not answer.
+#: Timeout in seconds of holding the followers at the end, if one of them does not answer.
 _HOLD_TIMEOUT: Final = 5.0
 _CHECK_INTERVAL: Final = 0.2
 #: Rate in hertz at which followers report their positions.
 _FOLLOWER_RATE: Final = 2.0
-#: Age of a follower's position in seconds above which it is not checked against its place.
+#: The age in seconds above which a follower's position is not compared with its place.
 _OLD: Final = 2.0
 
 
@@ -132,7 +132,7 @@ class _RadioFlight:
             end = math.inf if duration is None else self._now() + duration
             while self._now() < end:
                 if relay.done():
-                    relay.result()  # raises why it ended
+                    relay.result()  # raises the error that ended the relay
                 self._check()
                 await asyncio.sleep(_CHECK_INTERVAL)
         except BaseException:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.geodesy import LocalFrame
     from mavstack.swarm.arrays import Points
 
-#: Largest turning rate of the course in degrees a second.
+#: The largest turning rate of the course, in degrees per second.
 TURN_RATE: Final = 45.0
 #: `est_capabilities` of FOLLOW_TARGET: position, velocity, attitude.
 _CAPABILITIES: Final = 1 | 2 | 8
@@ -81,7 +81,7 @@ class LeaderMotion:
         if last is None or last.time_boot_ms == self._sent_at:
             return
         self._sent_at = last.time_boot_ms
-        self.slot((0.0, 0.0, 0.0), now)  # turns the course up to now
+        self.slot((0.0, 0.0, 0.0), now)  # called to turn the course up to the present time
         half = radians(self.course) / 2.0
         yield common.FollowTarget(
             timestamp=last.time_boot_ms,

@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.vehicle import Vehicle
 
-#: Metres above home and metres from the leader below which PX4 does not follow.
+#: The height above home in metres below which PX4 does not follow.
 PX4_MIN_HEIGHT: Final = 8.0
+#: The distance from the leader in metres below which PX4 does not follow.
 PX4_MIN_DISTANCE: Final = 1.0
 _SURFACE: Final = frozenset({VehicleType.ROVER, VehicleType.BOAT})
-#: FOLL_OFS_TYPE, FOLL_ALT_TYPE.
+#: The value of FOLL_OFS_TYPE for offsets relative to the leader's heading.
 _RELATIVE_TO_HEADING: Final = 1.0
+#: The value of FOLL_ALT_TYPE for altitudes above the sea.
 _ABOVE_SEA: Final = 0.0
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger("mavstack.vehicle.rtk")
 
 CONNECT_TIMEOUT: Final = 10.0
-#: Seconds without a byte after which a caster is asked again.
+#: Seconds without a byte after which a caster is requested again.
 SILENCE_TIMEOUT: Final = 30.0
 #: Seconds between two attempts: the first pause, and the longest.
 MIN_PAUSE: Final = 1.0

@@ -25,7 +25,7 @@ AUTOSTART, AUTOCONFIG = "SYS_AUTOSTART", "SYS_AUTOCONFIG"
 FRAME_CLASS, FRAME_TYPE = "FRAME_CLASS", "FRAME_TYPE"
 #: Parameters that PX4 keeps when it resets the others for another airframe.
 PX4_KEEPS: Final = ("SYS_AUTOSTART", "CAL_*", "TC_*", "LND_FLIGHT*", "COM_FLIGHT*")
-#: Names of airframes of PX4 for boards without a certain product.
+#: The names of PX4's airframes for boards that belong to no certain product.
 PX4_AIRFRAMES: Final[Mapping[int, str]] = MappingProxyType(
     {
         2100: "standard plane",

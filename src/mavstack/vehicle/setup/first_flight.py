@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _MIN_SATELLITES: Final = 8
 _MIN_REMAINING: Final = 80
-#: The GPS_FIX_TYPE of a fix with altitude.
+#: The smallest GPS_FIX_TYPE of a fix that has an altitude.
 _MIN_FIX: Final = 3
-#: Pulse widths of ArduPilot's receiver before its calibration.
+#: ArduPilot's default pulse widths of a receiver, before its calibration.
 _UNCALIBRATED: Final = (1100.0, 1900.0)
 
 Values: TypeAlias = "Mapping[str, float]"

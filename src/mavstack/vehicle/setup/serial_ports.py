@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.vehicle import Vehicle
 
-#: Protocols of ArduPilot's ports by number.
+#: The protocols of ArduPilot's serial ports by number.
 ARDUPILOT_PROTOCOLS: Final[Mapping[int, str]] = MappingProxyType(
     {
         -1: "none", 1: "MAVLink 1", 2: "MAVLink 2", 3: "FrSky D", 4: "FrSky SPort", 5: "GPS",
@@ -32,7 +32,7 @@ ARDUPILOT_PROTOCOLS: Final[Mapping[int, str]] = MappingProxyType(
         42: "MSP DisplayPort", 43: "MAVLink high latency", 45: "DDS",
     }
 )  # fmt: skip
-#: Rates in bits per second of the small numbers in SERIALn_BAUD; larger numbers are the rate.
+#: Rates in bits per second of the small values of SERIALn_BAUD; a larger value is the rate itself.
 _ARDUPILOT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {
         1: 1200, 2: 2400, 4: 4800, 9: 9600, 19: 19200, 38: 38400, 57: 57600, 100: 100000, 111: 111100,
@@ -40,7 +40,7 @@ _ARDUPILOT_RATES: Final[Mapping[int, int]] = MappingProxyType(
         2000: 2000000,
     }
 )  # fmt: skip
-#: Ports of PX4 by the number that drivers have in their parameters.
+#: The serial ports of PX4, by the number that the parameters of drivers hold.
 _PX4_PORTS: Final[Mapping[int, str]] = MappingProxyType(
     {
         6: "URT6", 101: "TEL1", 102: "TEL2", 103: "TEL3", 104: "TEL4", 201: "GPS1", 202: "GPS2", 203: "GPS3",
