@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 
 _MODE: Final = ardupilotmega.SubMode
-#: Values of FS_GCS_ENABLE; the values 1 to 3 have the same meaning in FS_PILOT_INPUT and FS_EKF_ACTION.
+#: Values of FS_GCS_ENABLE; FS_PILOT_INPUT and FS_EKF_ACTION use 1 and 2 with the same meaning.
 _WARN, _DISARM, _HOLD, _SURFACE = 1, 2, 3, 4
 #: Values of BATT_FS_LOW_ACT.
 _BATTERY_DISARM, _BATTERY_SURFACE = 2, 3
