@@ -122,7 +122,7 @@ def check_telemetry(vehicle, connection) -> None:
 def check_parameters(vehicle, connection) -> None:
     deadline = time.monotonic() + 3 * TIMEOUT
     while len(connection.params) < len(vehicle.parameters):
-        assert time.monotonic() < deadline, f"{len(connection.params)} of {len(vehicle.parameters)} parameters"
+        assert time.monotonic() < deadline, f"only {len(connection.params)} parameters"
         if connection.recv_match(type="PARAM_VALUE", blocking=True, timeout=2) is None:
             connection.param_fetch_all()  # the first time, and if a busy machine lost some
     assert connection.params["WPNAV_SPEED"] == 1000
