@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.logs.damage import LogDamage
     from mavstack.logs.rescue import Rescue
 
-#: The word for an intact record, in formats other than packet logs.
+#: The noun for an intact record in messages about formats other than packet logs.
 _NOUNS: Final = {"dataflash": "sound record", "ulog": "sound message"}
 #: Reasons why logs of other formats cannot be repaired.
 _OTHER_FORMATS: Final = {

@@ -28,14 +28,14 @@ AnyMessage = TypeVar("AnyMessage", bound="MspMessage")
 
 _TYPE: Final = common.MavType
 _CAPABILITY: Final = common.MavProtocolCapability
-#: MAV_TYPE by Betaflight's mixer number; mixers that are not listed are quadcopters or unknown.
+#: MAV_TYPE by Betaflight's mixer number; mixers that are not listed count as quadcopters.
 _MIXERS: Final = {
     1: _TYPE.TRICOPTER, 6: _TYPE.HEXAROTOR, 7: _TYPE.HEXAROTOR, 8: _TYPE.FIXED_WING, 10: _TYPE.HEXAROTOR,
     11: _TYPE.OCTOROTOR, 12: _TYPE.OCTOROTOR, 13: _TYPE.OCTOROTOR, 14: _TYPE.FIXED_WING,
     15: _TYPE.HELICOPTER, 16: _TYPE.HELICOPTER, 18: _TYPE.HEXAROTOR, 20: _TYPE.COAXIAL, 21: _TYPE.COAXIAL,
     24: _TYPE.FIXED_WING, 25: _TYPE.TRICOPTER, 27: _TYPE.OCTOROTOR,
 }  # fmt: skip
-#: MAV_TYPE by iNav's platform type; platforms that are not listed are quadcopters or unknown.
+#: MAV_TYPE by iNav's platform type; platforms that are not listed count as quadcopters.
 _PLATFORMS: Final = {
     1: _TYPE.FIXED_WING, 2: _TYPE.HELICOPTER, 3: _TYPE.TRICOPTER, 4: _TYPE.GROUND_ROVER,
     5: _TYPE.SURFACE_BOAT,

@@ -75,7 +75,7 @@ _BUILDERS: Mapping[str, WriteBuilder] = {
 }
 
 
-# Settings in the data file
+# Settings in `settings.txt`
 
 
 def _read_settings() -> Iterator[SettingDefinition]:

@@ -83,5 +83,5 @@ def _property(field: Field) -> dict[str, Any]:
 
 def _primitive(base: str) -> dict[str, Any]:
     if base in ("float32", "float64"):
-        return {"type": ["number", "null"]}  # JSON has no NaN: use None
+        return {"type": ["number", "null"]}  # null for NaN, which JSON does not have
     return {"type": {"bool": "boolean", "string": "string"}.get(base, "integer")}
