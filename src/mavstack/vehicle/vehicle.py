@@ -90,7 +90,7 @@ class Vehicle(ReadOnly):
     component: RemoteComponent
     telemetry: Telemetry
 
-    # Parts
+    # Parts of the vehicle
 
     mission = Part(Mission, "The mission.")
     fence = Part(VehiclePlan, "The geofence.", lambda vehicle: VehiclePlan(vehicle, PlanType.FENCE))
@@ -110,7 +110,7 @@ class Vehicle(ReadOnly):
         self.connection = connection
         #: The vehicle's autopilot, with every MAVLink service.
         self.component = component
-        #: The messages that were received; the properties read them.
+        #: The received messages, which the properties read.
         self.telemetry = Telemetry(connection, component)
         self._attached: dict[int, Camera] = {}
 
@@ -237,7 +237,8 @@ class Vehicle(ReadOnly):
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
         info = self.component.info
         found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
-        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE or a parameter shows the VTOL.
+        # A quadplane may report the type of a plane; EXTENDED_SYS_STATE or a parameter then shows that it is
+        # a VTOL.
         if found is VehicleType.PLANE and (self.vtol_state or self._is_enabled_quadplane):
             return VehicleType.VTOL
         return found
@@ -295,7 +296,7 @@ class Vehicle(ReadOnly):
     guided = guided_session.guided
     follow = following.follow
 
-    # Positions, requested or waited for if they are not known
+    # Positions; a call requests a position that is not known, or waits for it
 
     get_home = positions.get_home
     get_home_altitude = positions.get_home_altitude
@@ -428,7 +429,7 @@ class Vehicle(ReadOnly):
         firmware_of(self).check_supported("shell")
         return self.component.shell()
 
-    # Values: the last one that was received, None before the first; nothing is sent, nothing is waited for
+    # Values: each property returns the last value received, None before the first, and sends nothing
 
     @property
     def position(self) -> values.Position | None:

@@ -62,7 +62,7 @@ class VehicleTracker:
         self.vehicles: dict[int, Vehicle] = {}
         self._components = components
         self._make_vehicle = make_vehicle
-        #: The components whose ComponentFound was received; `components` may hold others already.
+        #: The components whose event ComponentFound was received; `components` may already hold others.
         self._found_addresses: set[Address] = set()
 
     def receive(self, event: object) -> Iterator[Event]:

@@ -44,9 +44,9 @@ logger = logging.getLogger("mavstack.vehicle")
 _STEP: Final = 1.0 / RATE
 #: Speed in m/s below which a member has arrived.
 _SETTLED_SPEED: Final = 0.5
-#: Metres between a member and its slot at which a course has ended.
+#: The distance in metres between a member and its slot at which a course has ended.
 ARRIVAL_DISTANCE: Final = 1.0
-#: Seconds after a course in which its members have to arrive.
+#: Seconds after the end of a course in which its members have to arrive.
 ARRIVAL_TIMEOUT: Final = 20.0
 #: Maximum advance of a course in one step, in seconds.
 _MAX_STEP: Final = 3.0 * _STEP
@@ -98,7 +98,8 @@ class SwarmController:
         self._progress = asyncio.Event()
         planned = options.margins.planned_distance
         self._avoidance = Avoidance(
-            # Below the planned distance, so that a course that keeps its distance is flown as planned.
+            # Smaller than the planned distance, so that a course that keeps the planned distance is flown as
+            # planned.
             distance=(options.margins.minimum + planned) / 2.0,
             speed=options.limits.speed,
             acceleration=options.limits.acceleration,
@@ -223,7 +224,7 @@ class SwarmController:
         present = set(self.active)
         active = [index for index, each in enumerate(self._flying) if each in present]
         if not active:
-            # Members whose positions are late may return: their last setpoints are streamed meanwhile.
+            # Members whose positions are late may return; meanwhile their last setpoints are streamed.
             if self._stopped is None and not any(each.is_following for each in self.members):
                 self._stopped = SwarmStopped("no member follows setpoints any more", ())
             return
@@ -263,7 +264,7 @@ class SwarmController:
     def _check_guard(self, positions: Points) -> None:
         vehicles = (*self.members, *self._others)
         for finding in self.guard.check(positions, [each.age for each in self.members]):
-            if finding.breach is Breach.LINK:  # the roster's business
+            if finding.breach is Breach.LINK:  # the roster handles lost links
                 continue
             systems = [vehicles[index].vehicle.system for index in finding.members]
             names = " and ".join(f"vehicle {system}" for system in systems)

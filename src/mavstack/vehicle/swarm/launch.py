@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.group import Group, Results
     from mavstack.vehicle.vehicle import Vehicle
 
-#: Metres above home of a takeoff.
+#: The default takeoff altitude, in metres above home.
 DEFAULT_ALTITUDE: Final = 10.0
 
 

@@ -21,18 +21,19 @@ if TYPE_CHECKING:
     from mavstack.vehicle.guided_session import GuidedSession
     from mavstack.vehicle.vehicle import Vehicle
 
-    #: Position and velocity, in metres and m/s north, east, up.
+    #: A position and a velocity, in metres and m/s north, east, up.
     State = tuple[Points, Points]
 
-#: Metres above home below which no member descends.
+#: The lowest height of a member in metres above home.
 LOWEST_SLOT: Final = 2.0
-#: Seconds for which a vehicle keeps a velocity after the last setpoint (GUID_TIMEOUT of ArduPilot; PX4: 1 s).
+#: Seconds for which a vehicle keeps its velocity after the last setpoint (ArduPilot's GUID_TIMEOUT; 1 s on
+#: PX4).
 _KEEPS_VELOCITY: Final = 3.0
 #: Rate of positions and of setpoints, in hertz.
 RATE: Final = 10.0
-#: Seconds for which a position is carried on by the velocity.
+#: Seconds for which a position is extrapolated with the velocity.
 _EXTRAPOLATION: Final = 1.0
-#: Seconds in which a vehicle that seems lost has to send a heartbeat.
+#: Seconds in which a vehicle that seems lost must send a heartbeat.
 _HEARTBEAT_TIMEOUT: Final = 3.0
 
 
@@ -82,7 +83,7 @@ class Member:
         session = self.vehicle.guided(RATE)
         try:
             await session.__aenter__()
-        except ContactLost:  # or the program was held up: a heartbeat shows which
+        except ContactLost:  # contact is lost, or the program was blocked: a heartbeat shows which
             await self.vehicle.wait_for_message(common.Heartbeat, timeout=_HEARTBEAT_TIMEOUT)
             session = self.vehicle.guided(RATE)
             await session.__aenter__()

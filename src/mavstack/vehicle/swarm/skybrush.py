@@ -22,15 +22,16 @@ if TYPE_CHECKING:
     from mavstack.vehicle.group import Group, Results
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The file of a vehicle.
+#: The path of the show file on a vehicle.
 SHOW_PATH: Final = "/collmot/show.skyb"
 #: Type of DATA16 for packets of Skybrush from the ground.
 GROUND_PACKET: Final = 0x5C
 _START_TIME: Final = 1
-#: Start times that mean no change and no start.
+#: The start time that means no change.
 KEEP_START_TIME: Final = 0x7FFFFFFF
+#: The start time that means no start.
 CLEAR_START_TIME: Final = -0x80000000
-#: Seconds of a week.
+#: The number of seconds in a week.
 WEEK: Final = 604_800
 
 
@@ -62,7 +63,7 @@ async def upload_show(group: Group, show: Show, *, timeout: float | None = None)
     files = {vehicle: write_skyb(each) for vehicle, each in zip(group, show.vehicles, strict=True)}
 
     async def upload(vehicle: Vehicle) -> None:
-        with suppress(FileDenied):  # it exists
+        with suppress(FileDenied):  # the directory exists already
             await vehicle.ftp.make_directory(posixpath.dirname(SHOW_PATH), timeout=timeout)
         await vehicle.ftp.upload(SHOW_PATH, files[vehicle], timeout=timeout)
         await vehicle.command(common.MavCmd.USER_1, 0.0, timeout=timeout)

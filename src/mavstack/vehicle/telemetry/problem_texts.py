@@ -54,14 +54,15 @@ EXTENDED_SENSORS: Final = (
     (_X.SENSOR_3D_GYRO4, "fourth gyroscope"),
     (_X.SENSOR_3D_ACCEL4, "fourth accelerometer"),
 )
-#: The estimates that a healthy estimator has: one of the flags each, the same in EKF_STATUS_REPORT and
-#: ESTIMATOR_STATUS.
+#: The estimates that a healthy estimator has: for each, at least one of its flags is set. The flags are the
+#: same in EKF_STATUS_REPORT and ESTIMATOR_STATUS.
 ESTIMATES: Final = (
     (_E.ATTITUDE, "attitude"),
     (_E.POS_HORIZ_ABS | _E.POS_HORIZ_REL, "horizontal position"),
     (_E.POS_VERT_ABS | _E.POS_VERT_AGL, "height"),
 )
-#: The test ratios of the estimator, by their fields in EKF_STATUS_REPORT and in ESTIMATOR_STATUS.
+#: The test ratios of the estimator: the field in EKF_STATUS_REPORT, the field in ESTIMATOR_STATUS, and the
+#: name.
 RATIOS: Final = (
     ("velocity_variance", "vel_ratio", "velocity"),
     ("pos_horiz_variance", "pos_horiz_ratio", "horizontal position"),

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
-#: Older messages do not count, in seconds; PX4 on a slow link sends SYS_STATUS every ten.
+#: The largest age of a message that counts, in seconds; PX4 on a slow link sends SYS_STATUS every ten
+#: seconds.
 MAX_AGE = 30.0
 #: A test ratio above this means that a sensor contradicts the estimate.
 _MAX_TEST_RATIO = 1.0
@@ -107,7 +108,7 @@ def _sensors(telemetry: Telemetry) -> Iterator[str]:
     wrong = status.onboard_control_sensors_enabled & ~status.onboard_control_sensors_health
     more = status.onboard_control_sensors_enabled_extended & ~status.onboard_control_sensors_health_extended
     if any(_gps_problems(telemetry)):
-        wrong &= ~_GPS  # that problem has more detail
+        wrong &= ~_GPS  # the GPS problem has more detail
     for mask, names in ((wrong, SENSORS), (more, EXTENDED_SENSORS)):
         yield from (f"{name} is not healthy" for bit, name in names if mask & bit)
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     MessageClass = type[Message]
 
-#: The interval at which missing messages are looked for, in seconds.
+#: The interval at which missing messages are searched for, in seconds.
 CHECK_INTERVAL = 5.0
 #: A message is missing after this many of its intervals, and not before `CHECK_INTERVAL`.
 MISSING_INTERVALS = 5.0
@@ -165,7 +165,7 @@ class Rates(LoopBound):
     async def _ask(self, entry: _MessageRate) -> None:
         rate = entry.rate
         entry.retry_at = self._node.now() + max(entry.retry_interval, MISSING_INTERVALS / rate)
-        entry.asked = rate  # if this is cancelled, the request may have been sent
+        entry.asked = rate  # set before the request, which may be sent even if this task is cancelled
         try:
             await self._component.set_message_rate(entry.message, rate)
         except CommandDenied as error:

@@ -192,7 +192,7 @@ class _StreamRequest:
         except CommandDenied as error:
             self.denied[message] = error
         except RemoteError:
-            return  # not answered: `Rates` continues to ask while the vehicle is alive
+            return  # not answered: `Rates` repeats the request while the vehicle is alive
 
     async def _request_once(self, message: type[Message]) -> None:
         try:
@@ -200,7 +200,7 @@ class _StreamRequest:
         except CommandDenied as error:
             self.denied[message] = error
         except RemoteError:
-            return  # not answered: it may still arrive
+            return  # not answered: the message may still arrive
 
     def _arrived(self, message: type[Message]) -> bool:
         received_at = self._source.received_at(message)

@@ -30,9 +30,9 @@ Third = TypeVar("Third", bound=Message)
 
 #: The number of ports of RC_CHANNELS_RAW that are stored; each has 8 channels.
 MAX_RC_PORTS = 4
-#: A coarse message counts if the finer one is older by more than this, in seconds.
+#: A coarse message counts only if the finer message is older by more than this, in seconds.
 FINE_LIFETIME = 10.0
-#: Components that are batteries of their own; the autopilot's report of a battery is preferred.
+#: Components that are batteries; the autopilot's report of a battery is preferred.
 _BATTERIES = (common.MavComponent.BATTERY, common.MavComponent.BATTERY2)
 
 
@@ -49,7 +49,8 @@ class Telemetry(LoopBound):
         self.status_texts = StatusTexts(node.address, self.now)
         #: The time when the vehicle last reported that it is ready to arm, in Unix seconds.
         self.ready_at: float | None = None
-        #: The time since which it reports that without a break, in Unix seconds; None: it does not.
+        #: The time since which the vehicle reports without a break that it is ready to arm, in Unix seconds;
+        #: None: it does not report it.
         self.ready_since: float | None = None
         #: The time of the last reboot, in Unix seconds; the health is not read from messages before it.
         self.rebooted_at = 0.0
@@ -68,7 +69,7 @@ class Telemetry(LoopBound):
             node.add_packet_listener(common.DistanceSensor, self._store_distance, system=system),
             node.add_packet_listener(common.SysStatus, self._receive_status, system=system),
         )
-        _ = component.modes.current  # the first use starts to follow the mode
+        _ = component.modes.current  # the first access starts to follow the mode
 
     @property
     def autopilot(self) -> int | None:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 TelemetryValue = TypeVar("TelemetryValue")
 
-#: A message that was received within this time, in seconds, is sent without a request.
+#: A message that was received within this time, in seconds, is taken to be sent without a request.
 _ARRIVES = 5.0
 _QUEUE = 100
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.telemetry import Telemetry
     from mavstack.vehicle.vehicle import Vehicle
 
-#: HOME_POSITION changes rarely, in hertz.
+#: The rate of HOME_POSITION in hertz, which changes rarely.
 _HOME_RATE: Final = 0.5
 #: The values that most programs need before a flight.
 _FIRST_VALUES: Final = ("position", "battery", "gps", "home")

@@ -32,16 +32,17 @@ if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
 
 INTERVAL: Final = 1.0
-#: Aircraft that are shown to each vehicle, and how far away they may be, in metres.
+#: The number of aircraft that are reported to each vehicle.
 DEFAULT_COUNT: Final = 25
+#: The largest distance of these aircraft, in metres.
 DEFAULT_REACH: Final = 50_000.0
-#: An approach within these metres and seconds is an alarm.
+#: An approach within these distances in metres and this time in seconds is an alarm.
 ALARM_HORIZONTAL: Final = 500.0
 ALARM_VERTICAL: Final = 150.0
 ALARM_TIME: Final = 60.0
-#: Seconds between two alarms about one pair.
+#: Seconds between two alarms about the same pair.
 ALARM_INTERVAL: Final = 10.0
-#: The addresses of vehicles, which have no transponder: none of ICAO's.
+#: The addresses of vehicles, which have no transponder, begin here; ICAO does not assign them.
 _FLEET_ADDRESS: Final = 0xF00000
 _PORTS: Final = {"sbs": 30003, "beast": 30005, "gdl90": 4000}
 _READERS: Final[Mapping[str, type[SbsReader | BeastReader | Gdl90Reader]]] = MappingProxyType(
@@ -95,9 +96,9 @@ class TrafficFeed(ApiObject):
         self._link = open_link(f"{'udpin' if scheme == 'gdl90' else 'tcpout'}://{place}")
         self._reader: SbsReader | BeastReader | Gdl90Reader = _READERS[scheme]()
         self._count, self._reach, self._fleet = count, reach, fleet
-        #: The aircraft that were reported.
+        #: The aircraft that the receiver reported.
         self.aircraft = AircraftTable()
-        #: The reports that were received.
+        #: The number of reports that were received.
         self.reports = 0
         #: The reason for the last loss of the receiver; empty if there was none.
         self.problem = ""

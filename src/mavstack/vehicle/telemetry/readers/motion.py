@@ -34,7 +34,7 @@ _MILLI, _CENTI = 1000.0, 100.0
 _CIRCLE = 360.0
 #: The units of HIGH_LATENCY2: speeds in fifths of m/s, rates in tenths of m/s, angles in steps of 2 degrees.
 _FIFTHS, _TENTHS, _DOUBLE = 5.0, 10.0, 2.0
-#: A shorter quaternion is not a rotation: zeros mean "none".
+#: The smallest length of a quaternion that is a rotation: a quaternion of zeros means "none".
 _MIN_NORM = 0.5
 
 

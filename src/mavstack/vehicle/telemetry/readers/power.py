@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.telemetry import Telemetry
 
 _MILLI, _CENTI = 1000.0, 100.0
-#: The largest voltage of a slot, in millivolts: the rest follows in the next slot.
+#: The voltage of a full slot in millivolts: the rest of the voltage follows in the next slot.
 _FULL_SLOT = 65_534
-#: The largest voltage of a cell, in millivolts: a slot with more holds a sum.
+#: The largest voltage of one cell in millivolts: a slot with more holds a sum of cells.
 _MAX_CELL_VOLTAGE = 6_000
 
 

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 _ON_GROUND: Final = common.MavLandedState.ON_GROUND
 _MILLI = 1000.0
-#: The height in metres, the speed in m/s and the throttle in percent that only a flight has, and the age of
-#: their messages up to which they count, in seconds.
+#: The height in metres, the speed in m/s and the throttle in percent above which a vehicle flies.
 _FLIGHT_HEIGHT: Final = 5.0
 _FLIGHT_SPEED: Final = 8.0
 _FLIGHT_THROTTLE: Final = 15
+#: The largest age in seconds of the messages with these values.
 _EVIDENCE_AGE: Final = 5.0
-#: EXTENDED_SYS_STATE is preferred to the heartbeat up to this age, in seconds.
+#: The largest age in seconds up to which EXTENDED_SYS_STATE is preferred to the heartbeat.
 _MAX_AGE = 15.0
 
 
