@@ -149,7 +149,7 @@ def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, mo
         "rtl": "mode guided; arm throttle; takeoff 10; ",
         "hold": "mode guided; arm throttle; takeoff 10; ",
         "takeoff": "mode guided; arm throttle; ",
-        "transition": "mode guided; arm throttle; takeoff 30; ",
+        "transition": "arm throttle; takeoff 30; ",
     }.get(command.name, "")
     confirmation = " --yes" if command.name == "motortest" else ""  # asked for, unless a script gives it
     lines = [example + confirmation for example in command.examples if example not in ELSEWHERE]
