@@ -61,7 +61,8 @@ def link_terminal(path: Path, terminal: str) -> None:
         OSError: The name is used by something else, or cannot be made.
     """
     if path.is_symlink() and (known := str(path.readlink())).startswith(_TERMINALS):
-        if _is_claimed(known):
+        # The terminal of a program that ended may have got the same number.
+        if known != terminal and _is_claimed(known):
             raise FileExistsError(errno.EEXIST, "another program that runs has this name", str(path))
         path.unlink()
     path.symlink_to(terminal)

@@ -50,7 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_serve(actions)
     _add_invite(actions)
     action = actions.add("revoke", "end one URL or ticket before it expires", revoke)
-    action.add_argument("url", metavar="URL", help="the URL that invite printed, or its ticket")
+    action.add_argument("invitation", metavar="URL", help="the URL that invite printed, or its ticket")
     action.add_argument(
         "--list", dest="path", type=Path, required=True, metavar="FILE",
         help="the file that the relay reads by --revoked; the ticket is added",
@@ -157,9 +157,9 @@ def revoke(arguments: Namespace) -> int:
     """Run `mav relay revoke`."""
     from mavstack.relay.revocations import revoke as revoke_ticket
 
-    query = dict(parse_qsl(urlsplit(arguments.url).query)) if "://" in arguments.url else {}
+    query = dict(parse_qsl(urlsplit(arguments.invitation).query)) if "://" in arguments.invitation else {}
     try:
-        is_new = revoke_ticket(query.get("ticket", arguments.url), arguments.path)
+        is_new = revoke_ticket(query.get("ticket", arguments.invitation), arguments.path)
     except InvalidArgumentError as error:
         raise UsageError(str(error)) from None
     echo("revoked" if is_new else "it was revoked before")
