@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 from dataclasses import replace
 
@@ -196,11 +197,14 @@ class WithoutReaders(asyncio.SelectorEventLoop):
 
 
 def test_an_event_loop_without_socket_readers():
-    """Packets pass, and an endpoint that Python carries gets those for it."""
+    """Packets pass, an endpoint that Python carries gets those for it, and a server accepts clients."""
     carried = replace(GROUND, url=f"{UDP}&latency=0")
+    server = EndpointConfig("server", "tcpin://127.0.0.1:0")
 
     async def exchange():
-        async with routing(VEHICLE, carried) as router:
+        async with routing(VEHICLE, carried, server) as router:
+            with socket.create_connection(("127.0.0.1", port(router, "server"))):
+                await until(lambda: router.endpoints["server"].numbers)
             vehicle = UdpPeer(port(router, "vehicle"))
             ground = UdpPeer(port(router, "ground"))
             ground.send(heartbeat(255, 190))

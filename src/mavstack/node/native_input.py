@@ -49,9 +49,9 @@ if TYPE_CHECKING:
 HURRY_TIME: Final = 0.1
 #: Maximum number of reads in a row before other tasks of the event loop run.
 MAX_ROUNDS: Final = 4
-#: Seconds since the last read within which a further packet makes more reads in a row worth it.
+#: Maximum seconds since the last read for which the event loop reads several times in a row.
 ROUND_TIME: Final = 0.0002
-#: Number of reads after a grant was revoked that may still return packets of the granted source.
+#: Reads that may return packets from before a grant was revoked: the current one and the next one.
 STALE_TAKES: Final = 2
 
 _RADIO_STATUS: Final = message_ids(common.RadioStatus)

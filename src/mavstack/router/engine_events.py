@@ -25,7 +25,7 @@ PacketKey: TypeAlias = tuple[int, int, int]
 #: | `("rule", endpoint, packet_key, name, is_outgoing, is_dry_run)` | a rule dropped a packet |
 #: | `("loop", endpoint, packet_key)` | a packet that the router forwarded came back |
 #: | `("spoofed", endpoint, packet_key)` | another, authenticated sender holds a packet's address |
-#: | `("contested", endpoint, packet_key)` | another sender of equal authority holds a packet's address |
+#: | `("contested", endpoint, packet_key)` | another sender, as well authenticated, holds a packet's address |
 #: | `("signing_key", endpoint, packet_key)` | a SETUP_SIGNING was not forwarded |
 #: | `("refused", endpoint, packet_key, reason)` | the signature of a packet is missing or wrong |
 #: | `("rebooted", endpoint, packet_key)` | the boot time of the source fell; its routes are learned again |

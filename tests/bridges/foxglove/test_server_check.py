@@ -40,6 +40,13 @@ def test_problems() -> None:
     assert (False, "/imu has the type my_msgs/msg/Own, which this version does not know") in unknown
 
 
+@pytest.mark.parametrize("wrong", [None, 5, "/imu", {"topic": "/imu"}, [5, "/imu", None]])
+def test_messages_of_another_shape(wrong: object) -> None:
+    found = texts({**INFO, "capabilities": wrong}, {"channels": wrong, "services": wrong})
+    assert found[0][1].startswith("ws://h is Mavstack, with 0 channels and ")
+    assert found[-1][1] == "clients only observe: the bridge has no --allow-control"
+
+
 @pytest.mark.interop
 def test_a_running_bridge_and_none() -> None:
     pytest.importorskip("foxglove")

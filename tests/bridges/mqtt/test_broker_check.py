@@ -39,6 +39,14 @@ def test_the_number_of_clients() -> None:
     assert first.text == "the broker mqtt://b:1883 has 3 clients, with one for each vehicle of a bridge"
     (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": b"\xff"})
     assert first.text == "the broker mqtt://b:1883 accepts clients, and does not report their number"
+    (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": b"9" * 5000})
+    assert first.text.endswith("does not report their number")
+
+
+def test_a_topic_without_a_vehicle_is_none() -> None:
+    ((ok, text),) = texts(status=b"online")
+    assert not ok
+    assert text.startswith("no vehicle is below fleet/")
 
 
 def test_an_offline_vehicle_is_a_problem() -> None:

@@ -42,6 +42,11 @@ def test_no_server_reads_them() -> None:
     assert found[2][1].startswith("the bridge has found no vehicle")
 
 
+def test_a_vehicle_without_a_name() -> None:
+    found = texts("mavstack_scrapes_total 1.0\nmavstack_vehicle_up 1.0\n")
+    assert found[-1] == (True, " sends heartbeats")
+
+
 def test_others() -> None:
     assert texts("python_info 1.0\n") == [(False, "http://h/metrics is not a bridge of Mavstack")]
     ((ok, text),) = texts("<html>no metrics</html>\n")

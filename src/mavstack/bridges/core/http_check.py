@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
+from http.client import HTTPException
 from typing import Final
 from urllib.error import HTTPError, URLError
 from urllib.request import Request, urlopen
@@ -25,7 +26,7 @@ async def ask(url: str, data: bytes | None = None, content: str = "") -> tuple[i
         content: The type of the body.
 
     Raises:
-        LinkError: Nothing answers there.
+        LinkError: Nothing answers there, or its answer is not HTTP.
     """
     headers = {"Content-Type": content} if content else {}
     request = Request(url, data, headers)  # noqa: S310 (the caller has checked the scheme)
@@ -38,6 +39,8 @@ def _send(request: Request) -> tuple[int, bytes]:
             return answer.status, answer.read(MAX_ANSWER)
     except HTTPError as error:
         return error.code, b""
+    except HTTPException:
+        raise LinkError(f"asking {request.full_url} failed: no HTTP server answers there") from None
     except (URLError, OSError, ValueError) as error:
         reason = getattr(error, "reason", error)
         raise LinkError(

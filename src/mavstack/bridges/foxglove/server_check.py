@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 #: Seconds in which a server must send its channels.
 ANSWER_TIMEOUT: Final = 2.0
 _OPEN_TIMEOUT: Final = 5.0
+#: Maximum size of a message in bytes.
+_MAX_FRAME: Final = 32 << 20
 _SUBPROTOCOL: Final = "foxglove.sdk.v1"
 _ENCODING: Final = "ros2msg"
 
@@ -38,14 +40,14 @@ async def check_server(url: str) -> list[Finding]:
     except ImportError:
         raise MissingExtraError("the check of a Foxglove server", "web") from None
     texts: list[dict[str, Any]] = []
-    options: dict[str, Any] = {"max_size": None, "open_timeout": _OPEN_TIMEOUT, "proxy": None}
+    options: dict[str, Any] = {"max_size": _MAX_FRAME, "open_timeout": _OPEN_TIMEOUT, "proxy": None}
     try:
         async with connect(url, subprotocols=[Subprotocol(_SUBPROTOCOL)], **options) as socket:
             with suppress(TimeoutError):
                 async with asyncio.timeout(ANSWER_TIMEOUT):
                     async for frame in socket:
                         _take(frame, texts)
-    except (OSError, ValueError, WebSocketException) as error:
+    except (OSError, ValueError, RecursionError, WebSocketException) as error:
         reason = getattr(error, "strerror", None) or error
         raise LinkError(
             f"connecting to the Foxglove server {url} failed: {reason}; is `mav bridge foxglove` running? "
@@ -65,15 +67,17 @@ def describe(url: str, texts: Sequence[dict[str, Any]]) -> Iterator[Finding]:
     if info is None:
         yield Finding(False, f"{url} does not present itself as a server of Foxglove")
         return
-    channels = [channel for each in texts for channel in each.get("channels", ())]
-    services = [service for each in texts for service in each.get("services", ())]
+    channels = [
+        channel for each in texts for channel in _list_of(each, "channels") if isinstance(channel, dict)
+    ]
+    services = [service for each in texts for service in _list_of(each, "services")]
     text = f"{url} is {info.get('name')}, with {len(channels)} channels and {len(services)} services"
     yield Finding(True, text)
     yield Finding(True, "a server of Foxglove does not tell its clients about each other")
     if not channels:
         yield Finding(False, "there are no channels: has the bridge found a vehicle?")
     yield from (finding for channel in channels if (finding := _of_channel(channel)) is not None)
-    allowed = "clientPublish" in info.get("capabilities", ())
+    allowed = "clientPublish" in _list_of(info, "capabilities")
     note = "clients may publish" if allowed else "clients only observe: the bridge has no --allow-control"
     yield Finding(True, note)
 
@@ -81,6 +85,11 @@ def describe(url: str, texts: Sequence[dict[str, Any]]) -> Iterator[Finding]:
 def _take(frame: str | bytes, texts: list[dict[str, Any]]) -> None:
     if isinstance(frame, str) and isinstance(found := json.loads(frame), dict):
         texts.append(found)
+
+
+def _list_of(message: dict[str, Any], key: str) -> list[Any]:
+    found = message.get(key)
+    return found if isinstance(found, list) else []
 
 
 def _of_channel(channel: dict[str, Any]) -> Finding | None:

@@ -21,6 +21,8 @@ ANSWER_TIMEOUT: Final = 1.5
 #: A request without a command: every bridge refuses it, which shows that requests and answers arrive.
 PROBE: Final = "check"
 _CLIENTS: Final = "$SYS/broker/clients/connected"
+#: Maximum number of digits of the number of clients.
+_MAX_DIGITS: Final = 9
 
 
 async def check_broker(broker: Broker, prefix: str) -> list[Finding]:
@@ -60,7 +62,7 @@ def describe(broker: str, prefix: str, kept: dict[str, bytes]) -> Iterator[Findi
         kept: The last payload of each topic.
     """
     count = kept.get(_CLIENTS, b"").decode("ascii", "replace")
-    if count.isdecimal():
+    if count.isdecimal() and len(count) <= _MAX_DIGITS:
         others = max(int(count) - 1, 0)
         text = f"the broker {broker} has {others} clients, with one for each vehicle of a bridge"
         yield Finding(True, text)
@@ -79,7 +81,9 @@ def describe(broker: str, prefix: str, kept: dict[str, bytes]) -> Iterator[Findi
 
 def _vehicles(prefix: str, kept: Iterable[str]) -> list[str]:
     ends = (topic.removeprefix(f"{prefix}/") for topic in kept if topic.startswith(f"{prefix}/"))
-    return sorted({name for name, _, end in (each.rpartition("/") for each in ends) if end == "status"})
+    return sorted(
+        {name for name, slash, end in (each.rpartition("/") for each in ends) if slash and end == "status"}
+    )
 
 
 def _of_vehicle(name: str, base: str, kept: dict[str, bytes]) -> Iterator[Finding]:

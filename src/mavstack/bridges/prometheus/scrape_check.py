@@ -55,7 +55,9 @@ def describe(url: str, text: str) -> Iterator[Finding]:
         yield Finding(
             False, "no server has read the metrics: name this address in scrape_configs of Prometheus"
         )
-    up = {sample.labels["vehicle"]: sample.value for sample in samples if sample.name == f"{VEHICLE}up"}
+    up = {
+        sample.labels.get("vehicle", ""): sample.value for sample in samples if sample.name == f"{VEHICLE}up"
+    }
     if not up:
         yield Finding(False, "the bridge has found no vehicle: does its link receive heartbeats?")
     for name, value in sorted(up.items()):

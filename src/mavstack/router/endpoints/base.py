@@ -10,6 +10,8 @@ import asyncio
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Final
 
+from mavstack.links.address import format_address
+
 if TYPE_CHECKING:
     from collections.abc import Coroutine, Mapping
 
@@ -53,7 +55,7 @@ class Endpoint(ABC):
     def listens_on(self) -> str:
         """Host and port on which it listens, as text; empty: it does not listen on a port."""
         address = getattr(self, "address", None)
-        return f"{address[0]}:{address[1]}" if address else ""
+        return format_address(address) if address else ""
 
     @property
     def dropped(self) -> Mapping[int, int]:

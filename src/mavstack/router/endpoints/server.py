@@ -156,7 +156,10 @@ async def _accepted(sock: socket.socket) -> tuple[socket.socket, object]:
             client.setblocking(False)
             return client, address
         readable = asyncio.Event()
-        loop.add_reader(sock, readable.set)
+        try:
+            loop.add_reader(sock, readable.set)
+        except NotImplementedError:  # an event loop without socket readers (Windows)
+            return await loop.sock_accept(sock)
         try:
             await readable.wait()
         finally:

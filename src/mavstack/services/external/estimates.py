@@ -9,7 +9,7 @@ Source: guide, odometry; ArduPilot, GCS_MAVLINK; PX4, MavlinkReceiver.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import hypot, inf, isfinite, nan
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -76,8 +76,8 @@ class PoseEstimate:
         for name in ("pose_covariance", "velocity_covariance"):
             if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
                 raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
-        if self.orientation is not None and not any(self.orientation):
-            raise InvalidArgumentError("an orientation must not be 0, 0, 0, 0")
+        if self.orientation is not None and not 0 < hypot(*self.orientation) < inf:
+            raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
         if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
             raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
 
