@@ -90,3 +90,36 @@ def test_what_is_no_archive(tmp_path):
         MapArchive.create(tmp_path / "text.mbtiles")
     with pytest.raises(MapError, match=r"writing .* failed: (Not a directory|File exists)"):
         MapArchive.create(tmp_path / "text.mbtiles" / "a.mbtiles")
+
+
+@pytest.mark.parametrize("data", ["'text'", "9999999999999", "1.5", "NULL", "ZEROBLOB(4194305)"])
+def test_data_that_is_not_a_tile(tmp_path, data):
+    path = tmp_path / "a.mbtiles"
+    with sqlite3.connect(path) as other:
+        other.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)")
+        other.executemany(
+            f"INSERT INTO tiles VALUES (3, ?, 5, {data})", [(4,)] + [(each,) for each in range(20)]
+        )
+    other.close()
+    with MapArchive.open(path) as archive:
+        assert archive.get(TILE) is None
+        assert (archive.average_size() is None) == (data == "NULL")
+
+
+@pytest.mark.parametrize(("zoom", "lowest"), [("'x'", 0), ("x'ff'", 0), ("2.5", 0), ("-3", 0), ("99", 22)])
+def test_zoom_levels_that_do_not_exist(tmp_path, zoom, lowest):
+    path = tmp_path / "a.mbtiles"
+    with sqlite3.connect(path) as other:
+        other.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)")
+        other.execute(f"INSERT INTO tiles VALUES ({zoom}, 1, 1, x'00')")
+    other.close()
+    with MapArchive.open(path) as archive:
+        assert archive.facts().min_zoom == lowest
+
+
+def test_vectors_and_pictures_are_not_mixed(tmp_path):
+    with MapArchive.create(tmp_path / "a.mbtiles") as archive:
+        archive.extend(AREA, range(3, 6), "png")
+        archive.extend(AREA, range(3, 6), "jpg")
+        with pytest.raises(MapError, match="it holds png tiles, which cannot be mixed with pbf tiles"):
+            archive.extend(AREA, range(3, 6), "pbf")

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from mavstack.errors import InvalidArgumentError
 from mavstack.maps import (
     Area,
     MapArchive,
@@ -53,6 +54,13 @@ def test_servers_that_give_no_samples():
         pages.answer = lambda *_: (503, b"", {})
         with pytest.raises(MapError, match="failed: 503 Service Unavailable"):
             estimate(pages)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan")])
+def test_a_rate_must_be_positive(rate):
+    server = TileServer("https://tiles.example.org/{z}/{x}/{y}.png")
+    with pytest.raises(InvalidArgumentError, match="the rate must be positive"):
+        asyncio.run(estimate_download(server, AREA, ZOOMS, rate=rate))
 
 
 def test_samples_are_in_the_area():

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from mavstack.errors import InvalidArgumentError
-from mavstack.maps import MapArchive
-from mavstack.maps.folder import default_folder, list_maps, map_path
+from mavstack.maps import MapArchive, MapError
+from mavstack.maps.folder import default_folder, list_maps, map_path, remove_map
 
 
 def test_maps_of_a_folder(tmp_path, caplog):
@@ -28,3 +28,11 @@ def test_the_folder_of_the_user(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     monkeypatch.setenv("HOME", str(tmp_path))
     assert default_folder().name == "maps"
+
+
+def test_maps_are_removed(tmp_path):
+    path = map_path(tmp_path, "a")
+    path.touch()
+    remove_map(path)
+    with pytest.raises(MapError, match=r"removing .*a\.mbtiles failed: No such file"):
+        remove_map(path)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from io import BytesIO
 from math import nan
 
 import pytest
@@ -9,6 +10,8 @@ from mavstack.maps.tiles import tile_at
 from tests.maps.tile_pages import png
 
 pytest.importorskip("PIL")
+
+from PIL import Image
 
 from mavstack.maps.heights import TileHeights
 
@@ -43,6 +46,8 @@ def test_heights_by_both_encodings(tmp_path, encoding, colour):
     with heights_of(tmp_path, png([[colour(487.5)] * 256] * 256), encoding) as heights:
         assert heights(*PLACE) == pytest.approx(487.5, abs=0.1)
         assert heights(47.3977, 9.5) is None, "a tile that is not there"
+        assert heights(PLACE[0], PLACE[1] + 360) == pytest.approx(487.5, abs=0.1)
+        assert heights(PLACE[0], PLACE[1] - 360) == pytest.approx(487.5, abs=0.1)
         assert heights(nan, 8.5) is None
         assert heights(89.0, 8.5) is None
 
@@ -66,6 +71,14 @@ def test_unknown_and_damaged_tiles(tmp_path, caplog):
     with heights_of(tmp_path, b"\x89PNG damaged") as heights:
         assert heights(*PLACE) is None
     assert "a tile of heights is damaged" in caplog.text
+
+
+def test_only_formats_of_maps_are_decoded(tmp_path, caplog):
+    picture = BytesIO()
+    Image.new("RGB", (4, 4)).save(picture, "PPM")
+    with heights_of(tmp_path, picture.getvalue()) as heights:
+        assert heights(*PLACE) is None
+    assert "cannot identify image file" in caplog.text
 
 
 def test_pictures_are_not_heights(tmp_path):

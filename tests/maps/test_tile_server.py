@@ -64,11 +64,20 @@ def test_vectors_without_compression():
 @pytest.mark.parametrize(
     "url",
     ["", "file:///{z}/{x}/{y}", "ftp://a/{z}/{x}/{y}", "https:///{z}/{x}/{y}", "http://a/{z}/{x}", "http://[/{z}/{x}/{y}",
-     "http://a/ {z}/{x}/{y}", "http://a/\n{z}/{x}/{y}"],
+     "http://a/ {z}/{x}/{y}", "http://a/\n{z}/{x}/{y}", "http://a..b/{z}/{x}/{y}", "http://a:99999/{z}/{x}/{y}",
+     "http://a:b/{z}/{x}/{y}", "http://user:secret@a/{z}/{x}/{y}"],
 )  # fmt: skip
 def test_wrong_addresses(url):
-    with pytest.raises(InvalidArgumentError, match="the address of the tiles"):
+    with pytest.raises(InvalidArgumentError, match="the address of the tiles") as caught:
         TileServer(url)
+    assert "secret" not in str(caught.value)
+
+
+def test_a_redirect_to_no_url():
+    with tile_pages(lambda *_: (302, b"", {"Location": "http://a..b/1.png"})) as pages:
+        answer = asyncio.run(TileServer(pages.template).fetch(TILE))
+    assert answer.retry_after == 0.0
+    assert "idna" in answer.reason
 
 
 def test_terms():

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.maps.failures import MapError
-from mavstack.maps.tiles import MAX_ZOOM, Area, Tile
+from mavstack.maps.tiles import MAX_TILE, MAX_ZOOM, Area, Tile
 
 if TYPE_CHECKING:
     import os
@@ -142,13 +142,14 @@ class MapArchive:
             self._write_metadata(rows)
 
     def get(self, tile: Tile) -> bytes | None:
-        """Return a tile; None if the archive does not have it."""
+        """Return a tile; None if the archive does not have it, or its data cannot be a tile."""
         with _failures("reading", self.path):
             row = self._connection.execute(
-                "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
-                _key(tile),
+                "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? "
+                "AND TYPEOF(tile_data) = 'blob' AND LENGTH(tile_data) <= ?",
+                (*_key(tile), MAX_TILE),
             ).fetchone()
-        return bytes(row[0]) if row is not None and row[0] else None
+        return (row[0] or None) if row is not None else None
 
     def __contains__(self, tile: Tile) -> bool:
         with _failures("reading", self.path):
@@ -168,8 +169,18 @@ class MapArchive:
             self._connection.commit()
 
     def extend(self, area: Area, zooms: range, form: str) -> None:
-        """Add an area and zoom levels to the facts of the archive."""
+        """Add an area and zoom levels to the facts of the archive.
+
+        Raises:
+            MapError: The archive holds pictures and the tiles are vectors or the reverse, or it cannot be
+                written.
+        """
         facts = self.facts()
+        if facts.format and (facts.format == "pbf") != (form == "pbf"):
+            raise MapError(
+                f"writing {self.path} failed: it holds {facts.format} tiles, which cannot be mixed "
+                f"with {form} tiles; take another name"
+            )
         together = area if facts.area is None or not facts.format else _joined(facts.area, area)
         lowest, highest = zooms[0], zooms[-1]
         if facts.format:
@@ -214,7 +225,7 @@ class MapArchive:
             count, size = self._connection.execute(
                 "SELECT COUNT(*), AVG(LENGTH(tile_data)) FROM (SELECT tile_data FROM tiles LIMIT 2000)"
             ).fetchone()
-        return None if count < 20 else float(size)
+        return None if count < 20 or size is None else float(size)
 
     def close(self) -> None:
         """Close the file; tiles after the last `commit` are lost. Idempotent."""
@@ -255,12 +266,11 @@ def _key(tile: Tile) -> tuple[int, int, int]:
     return tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y
 
 
-def _zoom(text: str | None, found: int | None) -> int:
+def _zoom(text: str | None, found: object) -> int:
     """Return a zoom level of the metadata, or the one of the tiles that are there."""
-    level = (
-        int(text) if text is not None and text.isascii() and text.isdigit() and len(text) < 3 else found or 0
-    )
-    return min(level, MAX_ZOOM)
+    if text is not None and text.isascii() and text.isdigit() and len(text) < 3:
+        found = int(text)
+    return min(max(found, 0), MAX_ZOOM) if isinstance(found, int) else 0
 
 
 def _area(text: str) -> Area | None:

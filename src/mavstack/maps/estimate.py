@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.maps.failures import MapError
-from mavstack.maps.tiles import Area, count_tiles, tile_at, tiles_of
+from mavstack.maps.tiles import Area, count_tiles, tile_at, tiles_of, wrap_longitude
 
 if TYPE_CHECKING:
     from mavstack.maps.archive import MapArchive
@@ -70,9 +70,11 @@ async def estimate_download(
         The estimate.
 
     Raises:
-        InvalidArgumentError: The area has too many tiles.
+        InvalidArgumentError: The area has too many tiles, or the rate is not positive.
         MapError: The server forbids downloads, or refuses the samples.
     """
+    if not rate > 0:
+        raise InvalidArgumentError(f"the rate must be positive, got {rate:g} requests a second")
     if not server.terms.allowed:
         raise MapError(f"downloading tiles from {server.host} failed: {server.terms.text}")
     count = check_count(area, zooms)
@@ -91,7 +93,7 @@ def samples(area: Area, zoom: int) -> list[Tile]:
     found = dict.fromkeys(
         tile_at(
             area.south + (area.north - area.south) * part,
-            (area.west + width * part + 180) % 360 - 180,
+            wrap_longitude(area.west + width * part),
             zoom,
         )
         for part in ((2 * index + 1) / (2 * _SAMPLES) for index in range(_SAMPLES))

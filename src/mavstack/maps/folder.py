@@ -43,6 +43,18 @@ def map_path(folder: Path, name: str) -> Path:
     return folder / f"{name}{SUFFIX}"
 
 
+def remove_map(path: Path) -> None:
+    """Remove the file of a map.
+
+    Raises:
+        MapError: The file does not exist, or cannot be removed.
+    """
+    try:
+        path.unlink()
+    except OSError as error:
+        raise MapError(f"removing {path} failed: {error.strerror or error}") from None
+
+
 def list_maps(folder: Path) -> list[MapFacts]:
     """Return the facts of the maps in a folder, by name; damaged ones are left out with a warning."""
     if not folder.is_dir():

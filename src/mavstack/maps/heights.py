@@ -13,7 +13,7 @@ import numpy as np
 from mavstack.errors import MissingExtraError
 from mavstack.maps.archive import MapArchive
 from mavstack.maps.failures import MapError
-from mavstack.maps.tiles import MAX_LATITUDE, Tile, place_at
+from mavstack.maps.tiles import MAX_LATITUDE, Tile, place_at, wrap_longitude
 
 try:
     from PIL import Image
@@ -34,6 +34,8 @@ MAX_LOADED: Final = 32
 MAX_EDGE: Final = 1024
 #: A height below this, in metres, means "no data"; black and transparent pixels decode to such heights.
 _NO_HEIGHT: Final = -9000.0
+#: Formats that Pillow may decode; it runs other programs for some of the others.
+_FORMATS: Final = ("PNG", "WEBP", "JPEG")
 
 
 class TileHeights:
@@ -71,8 +73,8 @@ class TileHeights:
         if not (isfinite(latitude) and isfinite(longitude) and abs(latitude) < MAX_LATITUDE):
             return None
         zoom = self.facts.max_zoom
-        x, y = place_at(latitude, longitude % 360 if longitude > 180 else longitude, zoom)
-        tile = Tile(zoom, int(x) % (1 << zoom), int(y))
+        x, y = place_at(latitude, wrap_longitude(longitude), zoom)
+        tile = Tile(zoom, int(x), int(y))
         heights = self._heights(tile)
         if heights is None:
             return None
@@ -103,7 +105,7 @@ class TileHeights:
 def _decode(data: bytes, encoding: str) -> NDArray[np.float64] | None:
     """Return the heights of a picture, rows from north to south; None if it is damaged."""
     try:
-        with Image.open(BytesIO(data)) as picture:
+        with Image.open(BytesIO(data), formats=_FORMATS) as picture:
             if max(picture.size) > MAX_EDGE or min(picture.size) < 2:
                 raise ValueError(f"a tile of {picture.size} points")
             colours = np.asarray(picture.convert("RGB"), np.float64)

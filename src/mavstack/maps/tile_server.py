@@ -14,13 +14,13 @@ from urllib.request import Request, urlopen
 from mavstack.errors import InvalidArgumentError
 from mavstack.maps.failures import MapError
 from mavstack.maps.terms import ServerTerms, terms_of
+from mavstack.maps.tiles import MAX_TILE
 
 if TYPE_CHECKING:
     from mavstack.maps.tiles import Tile
 
-#: Timeout of one request in seconds, and maximum bytes of a tile.
+#: Timeout of one request in seconds.
 REQUEST_TIMEOUT: Final = 30.0
-MAX_TILE: Final = 4 << 20
 #: Operators of tile servers require that programs identify themselves.
 USER_AGENT: Final = "Mavstack offline maps"
 _PARTS: Final = ("{z}", "{x}", "{y}")
@@ -75,12 +75,18 @@ class TileServer:
         self.template = template.strip()
         try:
             parsed = urlsplit(self.template)
-            host = parsed.hostname
+            host, _ = parsed.hostname, parsed.port
+            (host or "").encode("idna")  # names with empty or long labels cannot be looked up
         except ValueError as error:
             raise InvalidArgumentError(f"the address of the tiles is not a URL: {error}") from None
         if parsed.scheme.lower() not in ("http", "https") or not host:
             raise InvalidArgumentError(
                 "the address of the tiles must begin with http:// or https:// and a host"
+            )
+        if "@" in parsed.netloc:
+            raise InvalidArgumentError(
+                "the address of the tiles must not have a user name or a password; a key belongs in its "
+                "path or query"
             )
         missing = [part for part in _PARTS if part not in self.template]
         if missing:
@@ -122,7 +128,7 @@ class TileServer:
         except HTTPError as error:
             with error:
                 return self._failed(error)
-        except (URLError, HTTPException, OSError) as error:
+        except (URLError, HTTPException, OSError, ValueError) as error:  # ValueError: a redirect to no URL
             reason = getattr(error, "reason", None) or error
             return TileAnswer(retry_after=0.0, reason=str(reason) or type(error).__name__)
         if not data:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 MAX_ZOOM: Final = 22
+#: Maximum bytes of a tile.
+MAX_TILE: Final = 4 << 20
 #: The latitude in degrees at which the square map of Web Mercator ends, north and south.
 MAX_LATITUDE: Final = 85.051129
 #: Maximum distance in metres from the centre of an area to its sides.
@@ -88,10 +90,11 @@ class Area:
             )
         south, west = offset_location(latitude, longitude, -distance, -distance)
         north, east = offset_location(latitude, longitude, distance, distance)
-        return cls(south=max(south, -90), west=_wrapped(west), north=min(north, 90), east=_wrapped(east))
+        return cls(south=south, west=west, north=north, east=east)
 
 
-def _wrapped(longitude: float) -> float:
+def wrap_longitude(longitude: float) -> float:
+    """Return a longitude in degrees from -180, inclusive, to 180."""
     return (longitude + 180) % 360 - 180
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.http.bodies import RefusedError
 from mavstack.maps import MapArchive, download_area, estimate_download
-from mavstack.maps.folder import list_maps, map_path
+from mavstack.maps.folder import list_maps, map_path, remove_map
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -82,11 +82,16 @@ class StationMaps:
             self._busy.discard(name)
 
     def remove(self, name: str) -> None:
-        """Remove a map; raises `RefusedError` if there is none, or it is being downloaded."""
+        """Remove a map; blocks.
+
+        Raises:
+            RefusedError: There is no such map, or it is being downloaded.
+            MapError: The file cannot be removed.
+        """
         path = self._existing(name)
         if name in self._busy:
             raise RefusedError(409, f"the map {name} is being downloaded: cancel the download first")
-        path.unlink(missing_ok=True)
+        remove_map(path)
 
     def _path(self, name: str) -> Path:
         if self._folder is None:

@@ -28,7 +28,7 @@ from mavstack.maps import (
     estimate_download,
 )
 from mavstack.maps.archive import ENCODINGS
-from mavstack.maps.folder import default_folder, list_maps, map_path
+from mavstack.maps.folder import default_folder, list_maps, map_path, remove_map
 from mavstack.maps.tiles import read_zooms
 
 if TYPE_CHECKING:
@@ -191,10 +191,7 @@ def remove(arguments: Namespace) -> int:
         raise CommandError(f"removing {path} failed: there is no such file")
     if not is_confirmed(arguments, f"remove {path}", "remove a map", refused="nothing was removed"):
         return 1
-    try:
-        path.unlink()
-    except OSError as error:
-        raise CommandError(f"removing {path} failed: {error.strerror}") from None
+    remove_map(path)
     return 0
 
 

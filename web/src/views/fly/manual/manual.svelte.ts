@@ -168,7 +168,7 @@ class Manual {
       this.buttons.clear();
       return;
     }
-    for (const action of this.buttons.tick(now, pad, actions)) actByPad(action, vehicle);
+    for (const action of this.buttons.tick(now, pad, actions, vehicle.system)) actByPad(action, vehicle);
   }
 
   private learn(pad: Gamepad): void {

@@ -40,29 +40,39 @@ describe('buttons', () => {
 
   it('act once for each press', () => {
     const buttons = new PadButtons();
-    buttons.tick(0, pad([]), actions);
-    expect(buttons.tick(20, pad([], 1), actions)).toEqual(['rtl']);
-    expect(buttons.tick(40, pad([], 1), actions)).toEqual([]);
-    buttons.tick(60, pad([]), actions);
-    expect(buttons.tick(80, pad([], 1, 7), actions)).toEqual(['rtl']);
+    buttons.tick(0, pad([]), actions, 1);
+    expect(buttons.tick(20, pad([], 1), actions, 1)).toEqual(['rtl']);
+    expect(buttons.tick(40, pad([], 1), actions, 1)).toEqual([]);
+    buttons.tick(60, pad([]), actions, 1);
+    expect(buttons.tick(80, pad([], 1, 7), actions, 1)).toEqual(['rtl']);
   });
 
   it('that start motors must be held', () => {
     const buttons = new PadButtons();
-    buttons.tick(0, pad([]), actions);
-    expect(buttons.tick(20, pad([], 2), actions)).toEqual([]);
-    expect(buttons.tick(900, pad([], 2), actions)).toEqual([]);
-    expect(buttons.tick(1020, pad([], 2), actions)).toEqual(['arm']);
-    expect(buttons.tick(5000, pad([], 2), actions)).toEqual([]);
+    buttons.tick(0, pad([]), actions, 1);
+    expect(buttons.tick(20, pad([], 2), actions, 1)).toEqual([]);
+    expect(buttons.tick(900, pad([], 2), actions, 1)).toEqual([]);
+    expect(buttons.tick(1020, pad([], 2), actions, 1)).toEqual(['arm']);
+    expect(buttons.tick(5000, pad([], 2), actions, 1)).toEqual([]);
+  });
+
+  it('do nothing for a vehicle that was selected while they were held', () => {
+    const buttons = new PadButtons();
+    buttons.tick(0, pad([]), actions, 1);
+    expect(buttons.tick(20, pad([], 2), actions, 1)).toEqual([]);
+    expect(buttons.tick(900, pad([], 2), actions, 2)).toEqual([]);
+    expect(buttons.tick(1900, pad([], 2), actions, 2)).toEqual([]);
+    buttons.tick(1920, pad([]), actions, 2);
+    expect(buttons.tick(1940, pad([], 1), actions, 2)).toEqual(['rtl']);
   });
 
   it('that are pressed at the start, or after the page was away, do nothing until they are released', () => {
     const buttons = new PadButtons();
-    expect(buttons.tick(0, pad([], 1), actions)).toEqual([]);
-    expect(buttons.tick(20, pad([], 1), actions)).toEqual([]);
-    buttons.tick(40, pad([]), actions);
-    expect(buttons.tick(60, pad([], 1), actions)).toEqual(['rtl']);
+    expect(buttons.tick(0, pad([], 1), actions, 1)).toEqual([]);
+    expect(buttons.tick(20, pad([], 1), actions, 1)).toEqual([]);
+    buttons.tick(40, pad([]), actions, 1);
+    expect(buttons.tick(60, pad([], 1), actions, 1)).toEqual(['rtl']);
     buttons.clear();
-    expect(buttons.tick(80, pad([], 1), actions)).toEqual([]);
+    expect(buttons.tick(80, pad([], 1), actions, 1)).toEqual([]);
   });
 });

@@ -84,6 +84,7 @@ export class PadButtons {
   /** When each button was pressed; null: it has acted, or was pressed before it was seen released. */
   private readonly pressed = new Map<number, number | null>();
   private isFirst = true;
+  private system: number | null = null;
 
   /** Forgets all buttons: those that are pressed now must be released first. */
   clear(): void {
@@ -91,8 +92,14 @@ export class PadButtons {
     this.isFirst = true;
   }
 
-  /** Returns the actions that the buttons cause now; `now` is in ms. */
-  tick(now: number, pad: PadReading, actions: PadProfile['actions']): PadAction[] {
+  /** Returns the actions that the buttons cause now. A press that began for another vehicle causes none.
+   *
+   * @param now - Milliseconds.
+   * @param system - The system id of the vehicle that the actions are for.
+   */
+  tick(now: number, pad: PadReading, actions: PadProfile['actions'], system: number): PadAction[] {
+    if (system !== this.system) this.clear();
+    this.system = system;
     const found: PadAction[] = [];
     pad.buttons.forEach(({ pressed }, index) => {
       const action = actions[index];

@@ -31,6 +31,7 @@ describe('automatic checks', () => {
   it('name each fault', () => {
     const faults: readonly [string, Partial<Record<keyof VehicleState, unknown>>][] = [
       ['link', { alive: false }],
+      ['link', { alive: false, loss: null }],
       ['link', { loss: 0.4 }],
       ['ready', { ready: false }],
       ['gps', { gps: { fix: 2, satellites: 12 } }],

@@ -28,7 +28,8 @@ export function automaticChecks(state: VehicleState): AutomaticCheck[] {
   const { gps, battery, estimator, rc } = state;
   const isKnown = state.rc !== null && rc?.rssi != null;
   return [
-    { key: 'preflight.link', state: judged(state.loss, state.alive && (state.loss ?? 0) <= MAX_LOSS) },
+    // A vehicle that is not alive has no figure of losses.
+    { key: 'preflight.link', state: state.alive ? judged(state.loss, (state.loss ?? 0) <= MAX_LOSS) : 'bad' },
     { key: 'preflight.ready', state: judged(state.ready, state.ready === true) },
     ...(WITHOUT_GPS.has(state.type)
       ? []
