@@ -1,9 +1,9 @@
 """A filter in the kernel against senders that fill the queue of a UDP socket faster than it can be emptied.
 
 The kernel drops datagrams without regard to their sender when the queue is full. While it cannot be emptied,
-a small program attached to the socket (classic BPF, Linux only) drops a part of the datagrams of the senders
-that sent most, before they are queued, so that the queue has room for the others. The part grows until the
-queue can be emptied, and then shrinks slowly to nothing.
+a small program attached to the socket (classic BPF, Linux only) drops a share of the datagrams of the senders
+that sent most, before they are queued, so that the queue has room for the others. The dropped share grows
+until the queue can be emptied, and then shrinks slowly to nothing.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 #: Seconds between two adjustments.
 ADJUST_INTERVAL: Final = 0.1
-#: The share of a sender's datagrams that pass: at first, at least, and its factors while the queue cannot be
-#: emptied, and once it can. It falls in large steps, since each step costs the other senders an interval.
+#: The share of a filtered sender's datagrams that pass the filter: the first and the smallest share, and the
+#: factors by which an adjustment reduces the share while the queue cannot be emptied, and raises it once the
+#: queue can be emptied. The steps down are large, because each costs the other senders an interval.
 FIRST_PART, MIN_PART, PART_REDUCTION, PART_GROWTH = 0.125, 1 / 8192, 0.25, 1.1
 #: Maximum number of filtered senders, and minimum number of datagrams in an interval of a filtered sender.
 MAX_SENDERS, MIN_DATAGRAMS = 256, 5
@@ -90,7 +91,7 @@ class FloodFilter:
 
 
 def _program(senders: Iterable[Address], part: float) -> bytes:
-    """Return the program that drops all but a part of the datagrams of these senders."""
+    """Return the program that passes only a share (`part`) of the datagrams of these senders."""
     entries = [_match(address) for address in senders]
     length = sum(len(entry) + 1 for entry in entries)
     code: list[tuple[int, int, int, int]] = []

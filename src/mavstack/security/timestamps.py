@@ -42,8 +42,9 @@ _MAX_DIGITS = 15
 _RUNNING, _FLOOR = "running", "floor"
 EPOCH = 1_420_070_400
 UNITS_PER_SECOND = 100_000
-#: Age of the last store, in timestamp units, after which an unfinished program run is removed from the file.
-#: A running program stores more often; the timestamps of a killed one are below the floor of the next run.
+#: Age of its last store, in timestamp units, from which the next `store` of any program removes an unfinished
+#: run. A running program stores more often. A run that began while the killed one was in the file has a floor
+#: in place of its timestamps.
 RUN_TIMEOUT = 600 * UNITS_PER_SECOND
 
 

@@ -44,7 +44,8 @@ BETAFLIGHT_START: Final = 30.0
 _OPENED: Final = "bind port"
 #: TCP port of Betaflight's first serial port, which speaks MSP.
 _BETAFLIGHT_SERIAL: Final = 5761
-#: The default URL to which ArduPilot's MAVLink packets are sent; the port depends on the instance.
+#: The default output of the router that offers ArduPilot's serial port to clients; the port depends on the
+#: instance.
 _ARDUPILOT_OUT: Final = "udpout://127.0.0.1:{port}"
 _STATION_PORT: Final = 14550
 

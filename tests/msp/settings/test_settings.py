@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -13,10 +14,13 @@ from mavstack.msp.messages.osd import SetOsdConfig, SetOsdItem, SetOsdTimer
 from mavstack.msp.messages.pid import Gains, Pid
 from mavstack.msp.messages.rc import RcTuning, SetRcTuning
 from mavstack.msp.messages.vtx import SetVtxConfig, VtxConfig, VtxType
-from mavstack.msp.settings import Settings
+from mavstack.msp.settings import Settings, tables
 from mavstack.msp.settings.definition import NAME_LENGTH
 from mavstack.msp.settings.tables import ALL_SETTINGS
 from tests.msp.messages.strategies import records
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 BETAFLIGHT = FirmwareInfo("BTFL", (4, 5, 1), (1, 46))
 NEWEST = FirmwareInfo("BTFL", (26, 12, 0), (1, 49))
@@ -47,6 +51,32 @@ def test_names_and_commands_that_programs_rely_on() -> None:
     commands = {(item.read.COMMAND, item.write.COMMAND) for item in ALL_SETTINGS}
     pairs = {(112, 202), (94, 95), (111, 204), (92, 93), (90, 91), (131, 222), (32, 33), (36, 37), (75, 76)}
     assert commands >= pairs | {(61, 62), (184, 185), (132, 223), (135, 225), (80, 81), (88, 89), (84, 85)}
+
+
+def test_facts_of_a_line_of_the_file() -> None:
+    rate, old, new, limit, warnings = (
+        next(item for item in ALL_SETTINGS if item.name == name)
+        for name in ("BF_RC_RATE", "BF_TPA_RATE_OLD", "BF_ANTI_GRAV_G", "BF_THR_LIM_TYPE", "BF_OSD_WARNINGS")
+    )
+    assert (rate.minimum, rate.maximum, rate.aliases, rate.variants) == (
+        1,
+        255,
+        ("BF_RATE_RC_RATE",),
+        ("BTFL",),
+    )
+    assert (rate.read, rate.write) == (RcTuning, SetRcTuning)
+    assert (old.until, new.since) == ("1.44", "1.45")
+    assert (limit.values, limit.maximum) == ({0: "off", 1: "scale", 2: "clip"}, 2)
+    assert warnings.build is not None
+
+
+def test_wrong_lines_of_the_file_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(tables, "files", lambda package: tmp_path)
+    line = "NAME | rc_rate | {} | {} | A rate"
+    for values, options in (("1-255", ""), ("1..2..3", ""), ("low", ""), ("", "untill=1.44"), ("", "since")):
+        (tmp_path / "settings.txt").write_text("[RcTuning SetRcTuning]\n" + line.format(values, options))
+        with pytest.raises((ValueError, TypeError)):
+            list(tables._read_settings())
 
 
 def test_values_of_messages() -> None:

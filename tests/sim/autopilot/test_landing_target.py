@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, inf, nan
 
 import pytest
 
@@ -35,6 +35,8 @@ class Camera:
             message = landing_message((*TARGET, 0.0), 0, frame=common.MavFrame.LOCAL_NED)
         elif self.form == "angles":
             message = message.replace(position_valid=0)
+        elif self.form == "height":
+            message = message.replace(position_valid=0, distance=0.0)
         self.harness.send(message)
 
 
@@ -81,6 +83,26 @@ def test_other_forms_do_not_count(firmware, form):
         "px4": "Landing target: coordinate frame 12 unsupported",
     }
     assert bool(harness.texts.first(refusals[firmware])) == (form != "angles")
+
+
+@pytest.mark.parametrize("angles", [(inf, 0.0), (0.0, -inf), (nan, 0.0)])
+def test_angles_that_are_not_finite_do_not_count(angles):
+    harness = flying("ardupilot")
+    message = common.LandingTarget(angle_x=angles[0], angle_y=angles[1], distance=10.0)
+    harness.run(1, lambda: harness.send(message))
+    assert "PrecLand: Target Found" not in harness.texts
+
+
+def test_a_target_above_the_vehicle_does_not_count():
+    harness = flying("ardupilot")
+    message = landing_message((1.0, 0.0, -5.0), 0)
+    harness.run(1, lambda: harness.send(message))
+    assert "PrecLand: Target Found" not in harness.texts
+
+
+def test_ardupilot_takes_angles_with_the_height_of_a_rangefinder():
+    harness = flying("ardupilot")
+    assert land(harness, Camera(harness, "height")) < 0.5
 
 
 def test_ardupilot_needs_the_parameters():

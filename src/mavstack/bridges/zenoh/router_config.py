@@ -143,7 +143,8 @@ def _rights_of_gateway(prefix: str, vehicles: Iterable[str], everything: list[st
     own = [expression for each in keys for expression in _with_caches(each.root)]
     return [
         (_FROM_VEHICLE, [*own, gateway_key(prefix, "*")]),
-        # Subscriptions and queries may cover all vehicles; this gateway only has data of its own vehicles.
+        # The router may send the gateway subscriptions and queries for all vehicles: the rule above lets it
+        # publish and answer only for its own vehicles.
         ((("declare_subscriber", "query"), "egress"), everything),
         ((("declare_subscriber",), "ingress"), [each.frames_in for each in keys]),
         ((("put", "delete"), "egress"), [each.frames_in for each in keys]),

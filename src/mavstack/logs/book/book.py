@@ -187,7 +187,8 @@ class FlightBook:
             LogError: The file cannot be written.
         """
         try:
-            # A separate cursor, because the results of earlier queries may still be open on the connection.
+            # A separate cursor: the connection may have a result that `fetchone` did not read to its end, and
+            # then refuses other work.
             with self._connection.cursor() as cursor:
                 rows = cursor.table("flights").order("start, file, vehicle")
                 texts = [] if raw_text else [name for name, kind in COLUMNS.items() if "VARCHAR" in kind]

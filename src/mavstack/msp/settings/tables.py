@@ -92,7 +92,7 @@ def _read_settings() -> Iterator[SettingDefinition]:
         elif line and not line.startswith("#"):
             name, place, values, options, description = (part.strip() for part in line.split("|"))
             minimum, maximum = _limits(values)
-            facts: dict[str, str] = dict(option.split("=") for option in options.split())
+            versions_and_alias: dict[str, str] = dict(option.split("=") for option in options.split())
             yield define(
                 name,
                 place,
@@ -103,17 +103,15 @@ def _read_settings() -> Iterator[SettingDefinition]:
                 variants=variants,
                 values=tuple(values.split(" / ")) if " / " in values else (),
                 build=_BUILDERS.get(write.__name__) or _BUILDERS.get(name),
-                since=facts.get("since", ""),
-                until=facts.get("until", ""),
-                alias=facts.get("alias", ""),
+                **versions_and_alias,
             )
 
 
 def _limits(values: str) -> tuple[Value, Value] | tuple[None, None]:
-    """Return the smallest and the largest value of a range; None without one."""
-    low, found, high = values.partition("..")
-    if not found:
+    """Return the smallest and the largest value of a range; None for meanings, or without a range."""
+    if not values or " / " in values:
         return None, None
+    low, high = values.split("..")
     return _number(low), _number(high)
 
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 ATTEMPTS = 8
-#: Seconds without a message after which a command in progress fails.
+#: Seconds after the last COMMAND_ACK with IN_PROGRESS after which a command in progress fails.
 PROGRESS_TIMEOUT = 30.0
 #: Commands that a vehicle may execute before it answers them.
 SLOW_COMMANDS = frozenset(

@@ -29,7 +29,8 @@ MAX_ANSWERED = 128
 TIMEOUT_MARGIN = 0.05
 #: The multiples of the shortest round trip that show that packets are queued, and that the queue is full.
 QUEUED, FULL = 2.0, 4.0
-#: A larger share of lost packets shows congestion, not random loss.
+#: Moving average (over about 16 answers and repetitions) of the share of repetitions; a larger share shows
+#: congestion, not random loss.
 MAX_RANDOM_LOSS = 0.7
 #: The largest number of times a timeout is doubled: a link may lose several repetitions at random.
 MAX_DOUBLINGS = 3

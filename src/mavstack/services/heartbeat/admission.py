@@ -24,8 +24,8 @@ REMOVED_AT_ONCE = 256
 MAX_NEW_BURST = 256.0
 #: The number of new components that one channel may add per second after that.
 MAX_NEW_RATE = 100.0
-#: Seconds between the first and the last packet of a component from which a full table prefers to keep the
-#: component.
+#: Seconds between the first and the last packet of a component: a full table removes components below this
+#: duration before the components above it, unless their packets are verified by signatures.
 MIN_HEARD_DURATION = 2.5
 MAX_CHANNELS = 512
 

@@ -30,8 +30,9 @@ class StaleMessages:
     """The ended transfers to one vehicle, whose messages may still arrive."""
 
     def __init__(self) -> None:
-        #: True if the link may have held back messages of an earlier transfer; a new transfer then ignores
-        #: its first message.
+        #: True after a transfer that was aborted (`clean_up`), because the link may have held back its
+        #: messages. The next transfer then ignores the first message that arrives, and restarts `SETTLE`
+        #: seconds later.
         self.held_back = False
         self._seen_at: dict[tuple[int, bool], float] = {}
         self._failed: set[int] = set()

@@ -1,11 +1,11 @@
 """Precision landing of ArduPilot's copters: PLND_ENABLED 1, and PLND_TYPE 1 (MAVLink) at boot.
 
 LANDING_TARGET counts in the axes of the body (BODY_FRD, `position_valid` and a distance), or as two angles
-with a distance or with the height of a rangefinder. After 2 s of reports that are less than 0.5 s apart the
-target is used (PLND_EST_TYPE 0: at once), until 2 s without a report. A landing vehicle flies above it, and
-descends while it is nearer than PLND_XY_DIST_MAX. A lost target lets the vehicle land where it last was, as a
-real copter without a rangefinder does; retries (PLND_STRICT, PLND_RET_MAX), which need a rangefinder, are not
-simulated.
+with a distance or with the height of a rangefinder, if the target is below the vehicle. After 2 s of reports
+that are less than 0.5 s apart the target is used (PLND_EST_TYPE 0: at once), until 2 s without a report. A
+landing vehicle flies above the target, and descends while it is nearer than PLND_XY_DIST_MAX. If the target
+is lost, the vehicle lands on its last position, as a real copter without a rangefinder does; retries
+(PLND_STRICT, PLND_RET_MAX), which need a rangefinder, are not simulated.
 
 Source: ArduPilot 4.6, AC_PrecLand.cpp, AC_PrecLand_MAVLink.cpp, ArduCopter/mode.cpp.
 """
@@ -106,7 +106,9 @@ class PrecisionLanding:
         if not self._number(_ENABLED):
             return None
         seen = self._seen(message)
-        return None if seen is None or not all(map(isfinite, seen)) else from_body(self._vehicle, seen)
+        if seen is None or not all(map(isfinite, seen)) or seen[2] <= 0:
+            return None
+        return from_body(self._vehicle, seen)
 
     def _seen(self, message: common.LandingTarget) -> Point | None:
         """Return the place in the axes of the body."""
@@ -117,11 +119,13 @@ class PrecisionLanding:
                 self._refused_frame = True
                 self._vehicle.send_statustext("Plnd: Frame not supported ", _SEVERITY.INFO)
             return None
+        if not (isfinite(message.angle_x) and isfinite(message.angle_y)):
+            return None
         forward, right = -tan(message.angle_y), tan(message.angle_x)
         height = self._vehicle.body.sensors.distance
         if message.distance > 0:
             height = message.distance / sqrt(forward * forward + right * right + 1)
-        return (forward * height, right * height, height) if height > 0 else None
+        return forward * height, right * height, height
 
     def _number(self, name: str) -> float:
         return float(self._vehicle.parameters.get(name, 0.0))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.msp.settings import SettingStore
 
 _TEXT = "-"
+_NO_MESSAGE = "[-]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +54,7 @@ class CliSetting:
 
     @property
     def limits(self) -> str:
-        """The allowed values, as the CLI tells them."""
+        """The allowed values, as the CLI shows them."""
         if self.words:
             return f"Allowed values: {', '.join(word for word in self.words if word)}"
         if self.is_text:
@@ -132,7 +133,7 @@ def read_settings(name: str) -> SettingTable:
     settings = []
     for line in (files(__package__) / name).read_text("ascii").splitlines():
         if line.startswith("["):
-            section = messages.get(line.strip("[]"))
+            section = None if line == _NO_MESSAGE else messages[line.strip("[]")]
         elif line and not line.startswith("#"):
             settings.append(_setting(section, *line.split(" | ")))
     return SettingTable(settings)
@@ -140,15 +141,11 @@ def read_settings(name: str) -> SettingTable:
 
 def _setting(kind: type[MspMessage] | None, name: str, place: str, values: str) -> CliSetting:
     """Return the setting of a line."""
-    low, found, high = values.removeprefix("text ").rpartition("..")
-    setting = CliSetting(
-        name,
-        kind,
-        minimum=int(low) if found else 0,
-        maximum=int(high) if found else 0,
-        words=() if found else tuple(values.split(" / ")),
-        is_text=values.startswith("text "),
-    )
+    if " / " in values:
+        setting = CliSetting(name, kind, maximum=0, words=tuple(values.split(" / ")))
+    else:
+        low, high = map(int, values.removeprefix("text ").split(".."))
+        setting = CliSetting(name, kind, minimum=low, maximum=high, is_text=values.startswith("text "))
     if kind is None:
         return dataclasses.replace(setting, default=int(place))
     steps = re.findall(r"\w+", place)

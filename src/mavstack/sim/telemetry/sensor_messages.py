@@ -131,7 +131,7 @@ class SensorMessages:
     def _gps_raw(self, time_usec: int) -> Message:
         """Return GPS_RAW_INT with a timestamp in microseconds."""
         readings = self._view.sensors
-        # ^Report no fix until the autopilot has booted, because it refuses to arm before, even with a fix.
+        # Report no fix until the autopilot has booted: a client that waits for a fix may then arm at once.
         if not self._view.autopilot.booted:
             return common.GpsRawInt(
                 time_usec,

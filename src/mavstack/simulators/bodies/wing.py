@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 #: Wing area (m2), span and chord (m).
 AREA, SPAN, CHORD = 0.4, 1.5, 0.27
 DENSITY: Final = 1.225
-#: Lift coefficient at zero angle of attack, and per radian; stall angle in radians, and a factor of the
-#: decrease beyond the stall angle.
-LIFT_ZERO, LIFT_SLOPE, STALL, STALLED_SLOPE = 0.25, 4.8, 0.26, 0.9
+#: Lift coefficient at zero angle of attack, and its increase per radian up to the stall angle (radians);
+#: its decrease per radian beyond the stall angle.
+LIFT_ZERO, LIFT_SLOPE, STALL, STALLED_SLOPE = 0.25, 4.8, 0.26, 2.7
 #: Drag coefficients: of the frame, and per square of the lift coefficient.
 DRAG_ZERO, DRAG_INDUCED = 0.03, 0.05
 SIDE_SLOPE: Final = -0.5
@@ -66,7 +66,7 @@ def wing_forces(flow: Vector, rates: Vector, surfaces: tuple[float, float, float
 def _lift(alpha: float) -> float:
     """Return the lift coefficient at an angle of attack in radians."""
     if alpha > STALL:
-        return max(LIFT_ZERO + LIFT_SLOPE * STALL - STALLED_SLOPE * (alpha - STALL) * 3.0, 0.0)
+        return max(LIFT_ZERO + LIFT_SLOPE * STALL - STALLED_SLOPE * (alpha - STALL), 0.0)
     if alpha < -STALL:
-        return min(LIFT_ZERO - LIFT_SLOPE * STALL - STALLED_SLOPE * (alpha + STALL) * 3.0, 0.0)
+        return min(LIFT_ZERO - LIFT_SLOPE * STALL - STALLED_SLOPE * (alpha + STALL), 0.0)
     return LIFT_ZERO + LIFT_SLOPE * alpha
