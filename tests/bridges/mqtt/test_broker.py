@@ -36,7 +36,17 @@ def test_urls() -> None:
 
 
 @pytest.mark.parametrize(
-    "url", ["", "host", "tcp://host", "mqtt://", "mqtt://h:99999", "mqtt://h/path", "mqtt://u:hidden@"]
+    "url",
+    [
+        "",
+        "host",
+        "tcp://host",
+        "mqtt://",
+        "mqtt://h:99999",
+        "mqtt://h/path",
+        "mqtt://u:hidden@",
+        "mqtt://[::1",
+    ],
 )
 def test_a_wrong_url_is_refused_without_its_password(url: str) -> None:
     with pytest.raises(InvalidArgumentError, match="a broker must be") as caught:

@@ -62,6 +62,7 @@ def test_a_collector_that_takes_no_spans(status: int, text: str) -> None:
     assert text in spans.text
 
 
-def test_a_wrong_url() -> None:
+@pytest.mark.parametrize("url", ["grpc://host", "http://", "http://[::1", "http://host:port"])
+def test_a_wrong_url(url: str) -> None:
     with pytest.raises(InvalidArgumentError, match="a collector must be"):
-        asyncio.run(check_collector("grpc://host"))
+        asyncio.run(check_collector(url))

@@ -62,7 +62,10 @@ class Broker:
         Raises:
             InvalidArgumentError: It is not such a URL.
         """
-        parts = urlsplit(url)
+        try:
+            parts = urlsplit(url)
+        except ValueError:  # such as a bracket without its end
+            parts = urlsplit("")
         try:
             port = parts.port
         except ValueError:

@@ -40,13 +40,13 @@ def add_options(parser: ArgumentParser) -> None:
         help="mqtt://HOST:1883 or mqtts://HOST:8883",
     )
     add("--ca", default="", metavar="FILE", help="certificate of the authority, for mqtts (default: system)")
-    add("--prefix", type=_prefix, default="mavstack", metavar="TOPIC", help="before all topics")
+    add("--prefix", type=topic_prefix, default="mavstack", metavar="TOPIC", help="before all topics")
     add("--rate", type=_rate, default=2.0, metavar="HZ", help="telemetry per second, 1 to 5 (default: 2)")
     add_names_option(parser)
     add(
         "--home-assistant",
         nargs="?",
-        type=_prefix,
+        type=topic_prefix,
         const=DEFAULT_PREFIX,
         metavar="TOPIC",
         help=f"describe the vehicles for Home Assistant (below {DEFAULT_PREFIX} unless another one is named)",
@@ -74,7 +74,8 @@ def broker_url(text: str) -> Broker:
         raise ArgumentTypeError(str(error)) from None
 
 
-def _prefix(text: str) -> str:
+def topic_prefix(text: str) -> str:
+    """Return the beginning of topics of an option, without slashes at its ends."""
     text = text.strip("/")
     if not _PREFIX.fullmatch(text):
         raise ArgumentTypeError(f"must be a topic without wildcards and spaces, got {text!r:.40}")

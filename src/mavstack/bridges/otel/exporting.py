@@ -182,8 +182,12 @@ def checked_url(url: str) -> str:
     Raises:
         InvalidArgumentError: It is not a URL of HTTP.
     """
-    parts = urlsplit(url)
-    if parts.scheme not in ("http", "https") or not parts.hostname:
+    try:
+        parts = urlsplit(url)
+        is_valid = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        is_valid = False
+    if not is_valid:
         raise InvalidArgumentError(f"a collector must be http://HOST:4318, got {url!r:.60}")
     return url.rstrip("/")
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.bridges.core.naming_options import port_number, url_host
 from mavstack.bridges.core.zenoh_session import DEFAULT_ROUTER, SessionOptions
 from mavstack.bridges.foxglove.entry import DEFAULT_PORT as FOXGLOVE_PORT
-from mavstack.bridges.mqtt.entry import broker_url
+from mavstack.bridges.mqtt.entry import broker_url, topic_prefix
 from mavstack.bridges.otel.entry import DEFAULT_COLLECTOR
 from mavstack.bridges.prometheus.entry import DEFAULT_PORT as PROMETHEUS_PORT
 from mavstack.bridges.ros2.entry import domain_number
-from mavstack.bridges.zenoh.keys import DEFAULT_PREFIX
+from mavstack.bridges.zenoh.keys import DEFAULT_PREFIX, checked_prefix
 from mavstack.cli.common.output import coloured, echo, echo_json
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def add_options(parser: ArgumentParser) -> None:
     add("--domain", type=domain_number, default=0, metavar="N", help="with ros2: ROS_DOMAIN_ID")
     add(
         "--prefix",
+        type=topic_prefix,
         default=DEFAULT_PREFIX,
         help=f"with zenoh and mqtt: the beginning of all keys or topics (default: {DEFAULT_PREFIX})",
     )
@@ -87,13 +88,14 @@ async def _check_ros2(arguments: Namespace) -> Sequence[Finding]:
 async def _check_zenoh(arguments: Namespace) -> Sequence[Finding]:
     from mavstack.bridges.zenoh.fleet_check import check_fleet
 
-    return await check_fleet(SessionOptions(tuple(arguments.connect) or (DEFAULT_ROUTER,)), arguments.prefix)
+    options = SessionOptions(tuple(arguments.connect) or (DEFAULT_ROUTER,))
+    return await check_fleet(options, checked_prefix(arguments.prefix))
 
 
 async def _check_mqtt(arguments: Namespace) -> Sequence[Finding]:
     from mavstack.bridges.mqtt.broker_check import check_broker
 
-    return await check_broker(arguments.broker, arguments.prefix.strip("/"))
+    return await check_broker(arguments.broker, arguments.prefix)
 
 
 async def _check_foxglove(arguments: Namespace) -> Sequence[Finding]:
