@@ -42,6 +42,22 @@ def test_what_cannot_be_read_changes_nothing(tmp_path: Path) -> None:
         Revocations(tmp_path)
 
 
+def test_a_malformed_file_is_reported_once(tmp_path: Path) -> None:
+    path = tmp_path / "revoked.txt"
+    revocations = Revocations(path)
+    path.write_text("nonsense\n", "ascii")
+    with pytest.raises(LinkError):
+        revocations.read()
+    assert not revocations.read()
+
+
+def test_a_ticket_is_added_after_an_incomplete_last_line(tmp_path: Path) -> None:
+    path, one = tmp_path / "revoked.txt", ticket(Seat.GUEST)
+    path.write_text("# a comment without a line break", "ascii")
+    revoke(one, path)
+    assert Revocations(path).has(one)
+
+
 def test_texts_that_are_no_ticket_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidArgumentError, match="not a ticket"):
         revoke("room1.boat", tmp_path / "revoked.txt")

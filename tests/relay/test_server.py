@@ -117,6 +117,14 @@ async def test_a_port_in_use_is_named():
                 pass
 
 
+async def test_a_ticket_that_is_revoked_during_the_handshake_ends(monkeypatch: pytest.MonkeyPatch):
+    answers = iter([False, True])
+    monkeypatch.setattr("mavstack.relay.server.Revocations.has", lambda _self, _ticket: next(answers))
+    async with relay() as (_, port), dial(port, RELAY_PROTOCOL, ticket(Seat.HOST)) as ended:
+        with pytest.raises(ConnectionClosed, match="the ticket is revoked"):
+            await ended.recv()
+
+
 async def test_one_revoked_ticket_ends_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("mavstack.relay.server.READ_INTERVAL", 0.01)
     path, one, other = tmp_path / "revoked.txt", ticket(Seat.GUEST), ticket(Seat.GUEST, lifetime=90)

@@ -53,13 +53,14 @@ class Revocations:
             if stamp == self._stamp:
                 return False
             with self._path.open(encoding="ascii", errors="replace") as file:
-                self._digests = self._parse(file.read(MAX_FILE + 1))
+                text = file.read(MAX_FILE + 1)
         except FileNotFoundError:
             changed, self._stamp, self._digests = self._stamp is not None, None, frozenset()
             return changed
         except OSError as error:
             raise LinkError(f"reading the revoked tickets {self._path} failed: {error.strerror}") from error
-        self._stamp = stamp
+        self._stamp = stamp  # also of a malformed file, so that each change of the file is reported once
+        self._digests = self._parse(text)
         return True
 
     def has(self, ticket: str) -> bool:
@@ -102,8 +103,11 @@ def revoke(ticket: str, path: Path) -> bool:
     if Revocations(path).has(ticket):
         return False
     try:
-        with path.open("a", encoding="ascii") as file:
-            file.write(f"{digest_of(ticket)}  # room {room}, {seat}\n")
+        with path.open("a+b") as file:
+            # after an incomplete last line the digest would be part of its comment
+            file.seek(max(0, file.tell() - 1))
+            start = "\n" if file.read(1) not in {b"", b"\n"} else ""
+            file.write(f"{start}{digest_of(ticket)}  # room {room}, {seat}\n".encode("ascii"))
     except OSError as error:
         raise InvalidArgumentError(f"writing {path} failed: {error.strerror}") from None
     return True

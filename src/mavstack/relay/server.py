@@ -160,6 +160,8 @@ class RelayServer:
             return
         _logger.info("room %s: %s came from %s", ticket.room, ticket.seat, address)
         self._members[member] = connection.ticket_text
+        if self._revocations.has(connection.ticket_text):  # revoked since the check of the handshake
+            self.rooms.dismiss(member, TicketRefusal.REVOKED)
         sender = asyncio.create_task(_send_all(socket, member, has_work))
         try:
             async with asyncio.timeout(max(0.0, ticket.expires - time())):
