@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import json
-from io import BytesIO
+from io import BufferedReader, BytesIO, RawIOBase
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ import pytest
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.registry import command_parser, load_command
 from mavstack.errors import InvalidArgumentError
+from mavstack.server.rows.framing import MAX_DATAGRAM
 from tests.server.rows.test_source import DECODER, FRAME
 
 if TYPE_CHECKING:
@@ -43,6 +44,37 @@ def test_frames_of_files_digits_and_the_standard_input(
     row = {"message": "BENCH", "fields": {"volts": 130.0}}
     text, first, second = capsys.readouterr().out.splitlines()
     assert (text, json.loads(first), second) == ("BENCH volts=130.0", row, text)
+
+
+def test_rows_of_a_pipe_are_printed_before_it_ends(
+    decoder: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    printed: list[str] = []
+
+    class Pipe(RawIOBase):
+        def readable(self) -> bool:
+            return True
+
+        def readinto(self, buffer: memoryview) -> int:
+            printed.append(capsys.readouterr().out)
+            data = FRAME if len(printed) == 1 else b""
+            buffer[: len(data)] = data
+            return len(data)
+
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=BufferedReader(Pipe())))
+    assert run(decoder, "-") == 0
+    assert printed == ["", "BENCH volts=130.0\n"]
+
+
+def test_a_file_is_one_datagram(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, capture = tmp_path / "raw.json", tmp_path / "capture.bin"
+    path.write_text('{"type": "mavstack-decoder"}', "utf-8")
+    capture.write_bytes(bytes(MAX_DATAGRAM))
+    assert run(str(path), str(capture)) == 0
+    assert capsys.readouterr().out.startswith(f"FRAME size={MAX_DATAGRAM}.0 ")
+    capture.write_bytes(bytes(2 * MAX_DATAGRAM))
+    with pytest.raises(CommandError, match="0 rows; 1 frames"):
+        run(str(path), str(capture))
 
 
 def test_damaged_frames_are_a_failure_after_the_good_ones(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import echo, echo_json
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.cli.common.actions import Actions
     from mavstack.server.rows.template import Row
 
-_CHUNK = 1 << 16
+_CHUNK: Final = 1 << 16
 
 
 def add_actions(actions: Actions) -> None:
@@ -63,7 +63,9 @@ def _print(row: Row, *, as_json: bool) -> None:
 
 
 def _chunks(arguments: Namespace, *, whole: bool) -> Iterator[bytes]:
-    """Yield the bytes in parts; a datagram is not cut."""
+    """Yield the bytes as they arrive; all bytes are one datagram if `whole`."""
+    from mavstack.server.rows.framing import MAX_DATAGRAM
+
     if arguments.hex is not None:
         try:
             yield bytes.fromhex(arguments.hex)
@@ -74,7 +76,10 @@ def _chunks(arguments: Namespace, *, whole: bool) -> Iterator[bytes]:
         return
     try:
         with sys.stdin.buffer if arguments.bytes == "-" else Path(arguments.bytes).open("rb") as file:
-            while chunk := file.read(-1 if whole else _CHUNK):
+            if whole:
+                yield file.read(MAX_DATAGRAM + 1)
+                return
+            while chunk := file.read1(_CHUNK):  # not `read`, which waits until a pipe fills a chunk
                 yield chunk
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
