@@ -5,6 +5,7 @@ import pytest
 from mavstack.http.bodies import RefusedError
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
+from mavstack.server.api.video import MAX_OBSERVED
 from tests.server.stations import COPTER, Ground, serve
 
 PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it"}
@@ -46,5 +47,10 @@ def test_observers_watch_cameras_that_are_open(monkeypatch: pytest.MonkeyPatch) 
         monkeypatch.setattr(gateway.VideoGateway, "plays", lambda _self, address: address == watched[0])
         assert await status(Role.OBSERVE) == 503
         assert len(watched) == 2
+        monkeypatch.setattr(gateway.VideoGateway, "viewers", MAX_OBSERVED)
+        assert await status(Role.OBSERVE) == 503
+        assert len(watched) == 2, "the other places are for operators"
+        assert await status(Role.OPERATE) == 503
+        assert len(watched) == 3
 
     serve(COPTER, scenario, access=Access(passwords=PASSWORDS, local=False))

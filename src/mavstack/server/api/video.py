@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from typing import Final
 
 _SDP = "application/sdp"
+#: Number of viewers from which observers cannot watch, so that operators still can.
+MAX_OBSERVED: Final = 8
 #: Maximum size of a WebRTC offer in bytes.
 MAX_OFFER: Final = 1 << 16
 
@@ -42,9 +44,13 @@ async def _show(call: PlainCall) -> dict[str, Any]:
 
 async def _watch(call: Call[None, WatchQuery]) -> Response:
     address = read_address(call.query.uri, is_h265=call.query.h265)
-    if call.role is Role.OBSERVE and not call.station.video().plays(address):
-        raise RefusedError(403, "observers watch cameras that are open: an operator opens this one first")
-    answer = await call.station.video().watch(address, call.data.decode("utf-8", "replace"))
+    gateway = call.station.video()
+    if call.role is Role.OBSERVE:
+        if not gateway.plays(address):
+            raise RefusedError(403, "observers watch cameras that are open: an operator opens this one first")
+        if gateway.viewers >= MAX_OBSERVED:
+            raise RefusedError(503, f"{gateway.viewers} viewers watch already: only operators may join")
+    answer = await gateway.watch(address, call.data.decode("utf-8", "replace"))
     headers = {"Location": f"/api/video/whep/{answer.name}"}
     return Response(answer.sdp, status_code=201, media_type=_SDP, headers=headers)
 
