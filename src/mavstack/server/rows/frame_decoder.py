@@ -154,7 +154,8 @@ class FrameReader:
 
     def __init__(self, decoder: FrameDecoder | None) -> None:
         self._decoder = decoder
-        self._framer = make_framer(*((decoder.framing, decoder.checksum) if decoder else (Framing(), None)))
+        framing, checksum = (decoder.framing, decoder.checksum) if decoder else (Framing(), None)
+        self._framer = make_framer(framing, checksum)
         self._unread = 0
 
     @property

@@ -162,6 +162,6 @@ def decode_cobs(data: bytes) -> bytes | None:
             return None
         found += block
         at += code
-        if code < 0xFF and at < len(data):  # COBS: a block of maximum length stands for no zero byte after it
+        if code < 0xFF and at < len(data):  # no zero byte follows a block of maximum length
             found.append(0)
     return bytes(found)

@@ -165,7 +165,7 @@ export function decodeCobs(data: Uint8Array): Uint8Array | null {
     if (code === 0 || block.length !== code - 1 || block.includes(0)) return null;
     found.push(...block);
     at += code;
-    // A full block has no zero after it.
+    // No zero byte follows a block of maximum length.
     if (code < 0xff && at < data.length) found.push(0);
   }
   return Uint8Array.from(found);
