@@ -26,6 +26,7 @@ export async function readSources(): Promise<readonly StationSource[]> {
 /** A decoder of frames by its name, as sources name it by `decoder=NAME`. */
 export interface NamedDecoder {
   readonly name: string;
+  /** Its declaration (`$lib/frames/decoder.ts`). */
   readonly declaration: Readonly<Record<string, unknown>>;
 }
 

@@ -2,8 +2,7 @@
 import { type FrameDecoder, FrameReader, readDecoder } from '$lib/frames/decoder';
 import { fromHex, isHex } from '$lib/frames/members';
 import { t } from '$lib/i18n';
-
-import type { UserDecoder } from './model';
+import type { NamedDecoder } from '$lib/sources/stationSources';
 
 export interface DecoderDraft {
   text: string;
@@ -40,7 +39,7 @@ export const EXAMPLE: DecoderDraft = {
   bytes: 'aa 55 04 01 06 ff 01 c0 4f',
 };
 
-export function draftOf({ declaration }: UserDecoder): DecoderDraft {
+export function draftOf({ declaration }: NamedDecoder): DecoderDraft {
   return { text: JSON.stringify(declaration, null, 2), bytes: '' };
 }
 
@@ -54,7 +53,7 @@ export function readDraft({ text }: DecoderDraft): ReadDecoder {
 }
 
 /** Returns the decoder of a form that has no problem. */
-export function userDecoder({ text }: DecoderDraft): UserDecoder {
+export function userDecoder({ text }: DecoderDraft): NamedDecoder {
   const declaration = JSON.parse(text) as Record<string, unknown>;
   return { name: readDecoder(text).name, declaration };
 }

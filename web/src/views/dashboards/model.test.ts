@@ -38,6 +38,10 @@ it('projects hold several dashboards, and are the same after they were saved and
   expect(loadFile(saveDashboard(FULL))).toEqual([FULL]);
 });
 
+it('has each source once', () => {
+  expect(loadDashboard(file({ sources: ['a', 'b', 'a', 1] })).sources).toEqual(['a', 'b']);
+});
+
 it('takes short forms that people write', () => {
   const { widgets, title } = loadDashboard(file({ widgets: [{ kind: 'gauge', fields: ['1:VFR_HUD.alt'] }] }));
   expect(title).toBe('New dashboard');
@@ -73,6 +77,7 @@ describe('refuses', () => {
     [file({ decoders: [{}, {}] }), 'two decoders have the name decoder'],
     [file({ decoders: Array(33).fill({}) }), '33 decoders are too many'],
     [file({ type: 'mavstack-project', version: 2 }), 'version 2'],
+    [file({ type: 'mavstack-project', dashboards: [] }), 'has no dashboard'],
     [file({ type: 'mavstack-project', dashboards: [{ type: 'x' }] }), 'dashboard 1: not a dashboard'],
     [file({ type: 'mavstack-project', dashboards: Array(101).fill({}) }), '101 dashboards are too many'],
   ])('%s', (text, reason) => {

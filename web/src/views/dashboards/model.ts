@@ -2,6 +2,7 @@
 import { type FieldRef, formatFieldRef, parseFieldRef } from '$lib/series/fieldRef';
 import { parseDecoder } from '$lib/frames/decoder';
 import { problemOf } from '$lib/scripts/sandbox';
+import type { NamedDecoder } from '$lib/sources/stationSources';
 
 import { compacted } from './layout';
 
@@ -47,20 +48,13 @@ export interface UserScript {
   readonly code: string;
 }
 
-/** A decoder of frames, which sources name by `decoder=NAME`. */
-export interface UserDecoder {
-  readonly name: string;
-  /** Its declaration (`$lib/frames/decoder.ts`). */
-  readonly declaration: Readonly<Record<string, unknown>>;
-}
-
 export interface Dashboard {
   readonly title: string;
   /** Sources that the station needs for it, offered to be added. */
   readonly sources: readonly string[];
   readonly widgets: readonly Widget[];
   readonly scripts: readonly UserScript[];
-  readonly decoders: readonly UserDecoder[];
+  readonly decoders: readonly NamedDecoder[];
 }
 
 export const FILE_TYPE = 'mavstack-dashboard';
@@ -176,6 +170,7 @@ export function loadFile(text: string): readonly Dashboard[] {
   const dashboards = list(value.dashboards);
   if (dashboards.length > MAX_DASHBOARDS)
     throw new DashboardError(`${dashboards.length} dashboards are too many: at most ${MAX_DASHBOARDS} fit`);
+  if (dashboards.length === 0) throw new DashboardError('this project has no dashboard');
   return dashboards.map((each, index) => {
     try {
       return readDashboard(each);
@@ -209,9 +204,7 @@ function readDashboard(value: unknown): Dashboard {
   if (repeated) throw new DashboardError(`two scripts have the name ${repeated.name}`);
   return {
     title: string(value.title, EMPTY.title),
-    sources: list(value.sources)
-      .filter((each): each is string => typeof each === 'string')
-      .slice(0, MAX_SOURCES),
+    sources: distinct(list(value.sources).filter((each) => typeof each === 'string')).slice(0, MAX_SOURCES),
     decoders: loadDecoders(value.decoders),
     // Places that no grid has are moved into it.
     widgets: compacted(widgets),
@@ -280,7 +273,7 @@ function loadScript(value: unknown, index: number): UserScript[] {
   ];
 }
 
-function loadDecoders(value: unknown): readonly UserDecoder[] {
+function loadDecoders(value: unknown): readonly NamedDecoder[] {
   const declarations = list(value).filter(isObject);
   if (declarations.length > MAX_DECODERS)
     throw new DashboardError(`${declarations.length} decoders are too many: at most ${MAX_DECODERS} fit`);
@@ -295,6 +288,11 @@ function loadDecoders(value: unknown): readonly UserDecoder[] {
   const repeated = names.find((name, index) => names.indexOf(name) < index);
   if (repeated !== undefined) throw new DashboardError(`two decoders have the name ${repeated}`);
   return decoders;
+}
+
+/** Returns texts without repeated ones: pages use them as keys. */
+export function distinct(texts: readonly string[]): readonly string[] {
+  return [...new Set(texts)];
 }
 
 function isObject(value: unknown): value is Record<string, unknown> {
