@@ -51,6 +51,14 @@ def test_a_malformed_file_is_reported_once(tmp_path: Path) -> None:
     assert not revocations.read()
 
 
+def test_a_file_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "revoked.txt"
+    revoke(ticket(Seat.GUEST), path)
+    monkeypatch.setattr("mavstack.relay.revocations.MAX_FILE", path.stat().st_size - 1)
+    with pytest.raises(LinkError, match="longer than"):
+        Revocations(path)
+
+
 def test_a_ticket_is_added_after_an_incomplete_last_line(tmp_path: Path) -> None:
     path, one = tmp_path / "revoked.txt", ticket(Seat.GUEST)
     path.write_text("# a comment without a line break", "ascii")

@@ -81,6 +81,8 @@ def test_frames_are_bounded() -> None:
     lines = framer(STREAMS["delimiter"])
     assert lines.feed(b"x" * 100_000 + b"\r\n" + b"y" * MAX_FRAME + b"\r\n") == [b"y" * MAX_FRAME]
     assert lines.refused == 1
+    parts = [part for _ in range(10) for part in lines.feed(b"x" * 1000)]
+    assert (parts, lines.feed(b"\r\nz\r\n"), lines.refused) == ([], [b"z"], 2)
     datagrams = framer({})
     assert datagrams.feed(bytes(MAX_DATAGRAM + 1)) == []
     assert datagrams.refused == 1

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import struct
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from mavstack.bridges.mqtt.broker import Broker, Session
+from mavstack.bridges.mqtt.broker import Arrived, Broker, Session
 from mavstack.errors import LinkError, LinkURLError
 from mavstack.server.access import Access
 from mavstack.server.app import make_app
@@ -21,6 +21,9 @@ from tests.bridges.mqtt.test_broker import Client, broker, needs_mosquitto
 from tests.bridges.ros2.running import free_port
 from tests.server.asgi import ApiClient
 from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 DECODER = {"name": "bench", "messages": [{"name": "BENCH", "fields": [{"name": "volts", "type": "float32"}]}]}
 
@@ -43,6 +46,36 @@ def test_urls_without_topics_are_refused(query: str, reason: str) -> None:
     pytest.importorskip("paho.mqtt")
     with pytest.raises(LinkURLError, match=reason):
         RowReader(parse_row_url(f"frames+mqtt://127.0.0.1{query}"), "bench", RowHub())
+
+
+class ScriptedSession:
+    """The session with a broker that ends and comes back, and sends two messages."""
+
+    def __init__(self, _broker: Broker, *, subscriptions: Sequence[str], connected: Any, take: Any) -> None:
+        self.subscriptions, self.connected, self.take = subscriptions, connected, take
+
+    async def open(self) -> None:
+        for payload in (b"3", b"4"):
+            self.connected()
+            self.take(Arrived(self.subscriptions[0], payload))
+
+    async def close(self) -> None:
+        """Do nothing."""
+
+
+async def test_each_message_is_a_line_after_a_reconnection_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("mavstack.server.rows.mqtt.Session", ScriptedSession)
+    hub = RowHub()
+    reader = RowReader(parse_row_url("csv+mqtt://127.0.0.1?topic=a/+&template=v:m"), "bench", hub)
+    await reader.open()
+    await wait_until(lambda: reader.received == 2)
+    assert len(reader.link.channels) == 1
+    latest = hub.latest["bench", "ROW"]
+    assert (latest.count, latest.value["fields"]) == (2, {"v": 4})
+    assert parse_row_url("frames+mqtt://127.0.0.1?topic=a/+/b").link.options["topic"] == "a/+/b"
+    await reader.close()
 
 
 async def test_no_broker_is_an_error() -> None:
