@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 from io import BufferedReader, BytesIO, RawIOBase
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -55,7 +55,7 @@ def test_rows_of_a_pipe_are_printed_before_it_ends(
         def readable(self) -> bool:
             return True
 
-        def readinto(self, buffer: memoryview) -> int:
+        def readinto(self, buffer: Any) -> int:
             printed.append(capsys.readouterr().out)
             data = FRAME if len(printed) == 1 else b""
             buffer[: len(data)] = data

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import echo, echo_json
@@ -12,6 +12,7 @@ from mavstack.cli.common.output import echo, echo_json
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator
+    from io import BufferedReader
 
     from mavstack.cli.common.actions import Actions
     from mavstack.server.rows.template import Row
@@ -75,7 +76,8 @@ def _chunks(arguments: Namespace, *, whole: bool) -> Iterator[bytes]:
             ) from None
         return
     try:
-        with sys.stdin.buffer if arguments.bytes == "-" else Path(arguments.bytes).open("rb") as file:
+        standard_input = cast("BufferedReader", sys.stdin.buffer)
+        with standard_input if arguments.bytes == "-" else Path(arguments.bytes).open("rb") as file:
             if whole:
                 yield file.read(MAX_DATAGRAM + 1)
                 return
