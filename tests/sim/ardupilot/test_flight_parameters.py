@@ -67,3 +67,14 @@ def test_every_flight_parameter_is_valid(vehicle_type):
 def test_a_parameter_of_the_firmware(vehicle_type, parameter, value, name, expected):
     actual = flight_parameters(vehicle_type, **{parameter: value})
     assert getattr(actual, name) == pytest.approx(expected)
+
+
+def test_limits_follow_their_parameters():
+    vehicle = grounded("copter", "ardupilot").vehicle
+    vehicle.parameters.set("WPNAV_ACCEL", 300)
+    assert vehicle.body.limits.acceleration == pytest.approx(3.0)
+    vehicle.parameters.set("ANGLE_MAX", 2000)
+    assert vehicle.body.limits.tilt == pytest.approx(radians(20))
+    for value in (0, nan):
+        vehicle.parameters.set("WPNAV_ACCEL", value)
+        assert vehicle.body.limits.acceleration == pytest.approx(3.0)

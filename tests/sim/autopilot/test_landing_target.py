@@ -20,19 +20,26 @@ SEARCHING = 80
 class Camera:
     """A camera that sees the target, and reports it in one of the forms of LANDING_TARGET."""
 
-    def __init__(self, harness: VehicleHarness, form: str, *, lowest: float = 0.0) -> None:
-        self.harness, self.form, self.lowest = harness, form, lowest
+    def __init__(
+        self,
+        harness: VehicleHarness,
+        form: str,
+        *,
+        lowest: float = 0.0,
+        target: tuple[float, float] = TARGET,
+    ) -> None:
+        self.harness, self.form, self.lowest, self.target = harness, form, lowest, target
         self.blind = False
 
     def report(self) -> None:
         truth = self.harness.vehicle.body.truth
         if self.blind or -truth.down < self.lowest:
             return
-        seen = TARGET[0] - truth.north, TARGET[1] - truth.east, -truth.down
+        seen = self.target[0] - truth.north, self.target[1] - truth.east, -truth.down
         body = rotate_back(from_euler(truth.roll, truth.pitch, truth.yaw), seen)
         message = landing_message(body, 0, angles=landing_angles(*body))
         if self.form == "local":
-            message = landing_message((*TARGET, 0.0), 0, frame=common.MavFrame.LOCAL_NED)
+            message = landing_message((*self.target, 0.0), 0, frame=common.MavFrame.LOCAL_NED)
         elif self.form == "angles":
             message = message.replace(position_valid=0)
         elif self.form == "height":
@@ -105,6 +112,40 @@ def test_ardupilot_takes_angles_with_the_height_of_a_rangefinder():
     assert land(harness, Camera(harness, "height")) < 0.5
 
 
+@pytest.mark.parametrize(
+    ("firmware", "form", "parameters"),
+    [
+        ("ardupilot", "body", {"PLND_XY_DIST_MAX": 0.0}),
+        ("px4", "local", {"PLD_MAX_SRCH": 0}),
+    ],
+)
+def test_limits_of_zero(firmware, form, parameters):
+    """ArduPilot then descends at any distance, and PX4 tries once."""
+    harness = flying(firmware, **parameters)
+    assert land(harness, Camera(harness, form)) < 0.5
+
+
+def test_ardupilot_uses_a_raw_sensor_at_once():
+    harness = flying("ardupilot", PLND_EST_TYPE=0)
+    harness.run(0.5, Camera(harness, "body").report)
+    assert harness.vehicle.autopilot.landing_aim() is not None
+    assert "PrecLand: Init Complete" not in harness.texts
+
+
+@pytest.mark.parametrize("target", [(0.0, -30.0), (30.0, 0.0)])
+def test_px4_descends_above_the_target(target):
+    harness = flying("px4")
+    camera, begin = Camera(harness, "local", target=target), harness.vehicle.body.truth.down
+    harness.command(common.MavCmd.DO_SET_MODE, 1, 4, 9)
+
+    def has_descended() -> bool:
+        return harness.vehicle.body.truth.down > begin + 2
+
+    harness.run_until(has_descended, timeout=60, each=camera.report)
+    truth = harness.vehicle.body.truth
+    assert hypot(truth.north - target[0], truth.east - target[1]) < 0.5
+
+
 def test_ardupilot_needs_the_parameters():
     harness = flying("ardupilot", PLND_TYPE=0)
     assert land(harness, Camera(harness, "body")) > 3.0
@@ -141,6 +182,8 @@ def test_ardupilot_reports_the_loss():
 def test_px4_searches_and_then_lands_where_it_is():
     harness = flying("px4", PLD_SRCH_ALT=25.0)
     camera, heights = Camera(harness, "local"), []
+    autopilot = harness.vehicle.autopilot
+    autopilot.home = autopilot.home._replace(altitude=autopilot.home.altitude - 100)
     camera.blind = True
 
     def watch() -> None:

@@ -56,6 +56,15 @@ def test_a_vehicle_on_the_surface_asks_for_turns_alone(vehicle_type):
     assert setpoint.yaw_rate * (setpoint.yaw - body.estimate.yaw) > 0.0
 
 
+def test_a_wing_asks_for_its_present_heading():
+    world, body = single_body(VehicleType.PLANE)
+    body.place(0.0, 0.0, -100.0, 0.0)
+    body.go_to(0.0, -500.0, -100.0)
+    step_for(world, 2.0)
+    assert body.attitude_setpoint.roll < -0.2
+    assert body.attitude_setpoint.yaw == pytest.approx(body.estimate.yaw)
+
+
 def test_without_motors_the_setpoint_is_the_estimate():
     world, body = single_body(VehicleType.COPTER)
     step_for(world, 0.5)

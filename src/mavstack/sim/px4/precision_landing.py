@@ -1,11 +1,11 @@
 """PX4's Precision Land mode (main 4, sub 9) of multicopters, with the parameters PLD_….
 
 LANDING_TARGET counts in LOCAL_NED with `position_valid`; other frames are refused with a status text, and
-angles go to a module that is not started by default. The vehicle waits for the target where it is, climbs to
-PLD_SRCH_ALT above home if it does not see it within 2 s, and searches for PLD_SRCH_TOUT. It flies above the
-target at its height, and descends once it has been within PLD_HACC_RAD for 2 s. A target that is lost for
-PLD_BTOUT above the last PLD_FAPPR_ALT metres starts again, at most PLD_MAX_SRCH times; then, and where the
-search finds nothing, the vehicle lands where it is.
+angles go to a module that is not started by default. The vehicle waits 2 s for the target where it is, then
+climbs to PLD_SRCH_ALT above the local origin, and searches for PLD_SRCH_TOUT. It flies above the target at
+its present height, and descends once it has been within PLD_HACC_RAD for 2 s. If the target is lost for
+PLD_BTOUT above the last PLD_FAPPR_ALT metres, the vehicle starts again, at most PLD_MAX_SRCH times; after
+that, or if the search finds no target, the vehicle lands where it is.
 
 Source: PX4 1.17, navigator/precland.cpp (mode Required), MavlinkReceiver::handle_message_landing_target.
 """
@@ -83,8 +83,7 @@ class PrecisionLand(Behaviour):
 
     def _search(self) -> Iterator[None]:
         north, east, _ = self._maneuvers.place
-        down = self.autopilot.home_position[2] - self._number("PLD_SRCH_ALT", 10.0)
-        self._maneuvers.go_to((north, east, down))
+        self._maneuvers.go_to((north, east, -self._number("PLD_SRCH_ALT", 10.0)))
         yield from self._until_new(self._number("PLD_SRCH_TOUT", 10.0))
 
     def _until_new(self, timeout: float) -> Iterator[None]:
