@@ -101,6 +101,7 @@ def test_the_book_as_csv(folder, tmp_path):
         book.export_csv(tmp_path / "book.csv")
         with pytest.raises(LogError, match="cannot write"):
             book.export_csv(tmp_path / "none" / "book.csv")
+        assert len(book.rows()) == 2
     with FlightBook(tmp_path / "book.duckdb") as book:
         book.export_csv(tmp_path / "book.csv")
     with (tmp_path / "book.csv").open() as file:

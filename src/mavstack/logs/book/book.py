@@ -187,13 +187,10 @@ class FlightBook:
             LogError: The file cannot be written.
         """
         try:
-            # A separate cursor: the connection may have a result that `fetchone` did not read to its end, and
-            # then refuses other work.
-            with self._connection.cursor() as cursor:
-                rows = cursor.table("flights").order("start, file, vehicle")
-                texts = [] if raw_text else [name for name, kind in COLUMNS.items() if "VARCHAR" in kind]
-                columns = [sql_of_column(name) if name in texts else name for name in COLUMNS]
-                rows.project(", ".join(columns)).write_csv(str(path))
+            rows = self._connection.table("flights").order("start, file, vehicle")
+            texts = [] if raw_text else [name for name, kind in COLUMNS.items() if "VARCHAR" in kind]
+            columns = [sql_of_column(name) if name in texts else name for name in COLUMNS]
+            rows.project(", ".join(columns)).write_csv(str(path))
         except self._duckdb.Error as error:
             raise LogError(f"cannot write {path}: {str(error).splitlines()[0]}") from error
 
