@@ -113,6 +113,23 @@ def test_an_end_leaves_the_sockets_to_the_caller():
     run_virtually(scenario())
 
 
+def test_a_look_may_leave_the_sockets_to_the_thread():
+    async def scenario() -> None:
+        sockets = Sockets()
+        await sockets.receive_many(3, 0.0001)
+        look, sockets.waiting = sockets.look, []
+
+        def ending() -> bool:
+            sockets.interval.end()
+            return look()
+
+        sockets.interval._look = ending
+        await asyncio.sleep(0.1)
+        assert not sockets.is_watched
+
+    run_virtually(scenario())
+
+
 @pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
 async def test_packets_that_come_fast_are_taken_together_if_the_program_allows_that():
     async with vehicle_on(input_interval=0.002) as (node, sender):

@@ -8,6 +8,7 @@ import socket
 from contextlib import asynccontextmanager
 from itertools import pairwise
 from time import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -199,6 +200,26 @@ async def test_packets_that_were_granted_before_a_change_are_checked_after_it(mo
             await flush(node, sender)
         assert runs[-1].is_checked
         with_listener.close()
+
+
+async def test_a_change_while_packets_are_handled_applies_to_those_that_were_read_meanwhile(monkeypatch):
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        part, checked = native(node), []
+        number = next(iter(part._attached))
+        taken = [(number, [], [], True)], (), (), (), part._is_direct
+
+        def deliver(run):
+            checked.append(run.is_checked)
+            if len(checked) == 1:
+                part._revoke((1, 1))
+
+        with monkeypatch.context() as patch:
+            patch.setattr(part, "_deliver", deliver)
+            patch.setattr(part, "_intake", SimpleNamespace(take=lambda: taken, revoke=lambda source: ()))
+            for _ in range(3):
+                part._take()
+        assert checked == [True, False, True]
 
 
 async def test_a_choice_of_a_sender_lets_every_packet_come():

@@ -154,6 +154,17 @@ fn a_channel_is_not_attached_while_datagrams_of_its_peer_wait() {
     assert_eq!(taken(&mut intake), (0, 0, 1));
 }
 
+#[test]
+fn a_new_channel_of_an_address_gets_its_datagrams_from_the_channel_of_the_host() {
+    let mut intake = intake();
+    assert!(intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    intake.queue.take();
+    assert!(intake.attach(2, 0, Peer::Address(address(9)), parser()));
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert_eq!((intake.detach(1).datagrams, intake.detach(2).datagrams), (1, 1));
+}
+
 /// Returns how many of these packets come to the program; each has a time.
 fn passed(packets: impl IntoIterator<Item = (f64, Vec<u8>)>) -> usize {
     let mut intake = attached();

@@ -60,6 +60,11 @@ def test_json_lines_and_refused_ones(feed):
     assert "record 3: gps: longitude is missing" in done.err
 
 
+def test_a_long_line_is_refused(feed):
+    done = feed("distance", f'{{"distance": 3{" " * 16_384}}}', code=1)
+    assert "record 1: the line is longer than 16384 characters" in done.err
+
+
 def test_nothing_sent_is_a_failure(feed):
     assert "0 records sent, 1 refused" in feed("landing-target", "1,2", code=1).out
 

@@ -48,6 +48,8 @@ def test_a_vehicle_flies_by_vision(firmware):
         await asyncio.sleep(8)
         status = await vehicle.external.check()
         assert str(status).startswith("the estimator does not use it: nothing was sent")
+        other = await vehicle.external.check(parts=frozenset({"position"}))
+        assert not any("nothing was sent" in each or " Hz" in each for each in other.reasons)
         await see(world, vehicle, 3)
         reasons = (await vehicle.external.check()).reasons
         assert any("horizontal position" in each or "origin" in each for each in reasons), reasons

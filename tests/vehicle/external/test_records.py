@@ -41,6 +41,12 @@ def test_a_header_names_the_columns_of_the_lines_behind_it():
     assert reader.read("1,2,3,90") == ("odometry", {"velocity": [1.0, 2.0, 3.0], "quality": 90.0})
 
 
+def test_a_line_has_a_bounded_number_of_columns():
+    assert RecordReader("obstacles").read("," + "1," * 198 + "1") is not None
+    with pytest.raises(InvalidArgumentError, match="the line has 201 numbers for 200 columns"):
+        RecordReader("obstacles").read("," + "1," * 199 + "1")
+
+
 def test_an_object_may_name_another_kind():
     assert RecordReader("odometry").read('{"record": "distance", "distance": 2}') == (
         "distance",

@@ -117,8 +117,9 @@ class RecordReader:
         columns = list(self._columns)
         if self._kind == "obstacles" and len(columns) == 1:
             columns += [f"d{number}" for number in range(len(words) - 1)]
-        if len(words) > min(len(columns), _MAX_COLUMNS):
-            raise InvalidArgumentError(f"the line has {len(words)} numbers for {len(columns)} columns")
+        limit = min(len(columns), _MAX_COLUMNS)
+        if len(words) > limit:
+            raise InvalidArgumentError(f"the line has {len(words)} numbers for {limit} columns")
         arguments: dict[str, Any] = {}
         for column, word in zip(columns, words, strict=False):
             _put(arguments, column, _number(word))
