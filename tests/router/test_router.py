@@ -203,6 +203,7 @@ def test_an_event_loop_without_socket_readers():
 
     async def exchange():
         async with routing(VEHICLE, carried, server) as router:
+            await asyncio.sleep(0.01)  # the server waits for clients
             with socket.create_connection(("127.0.0.1", port(router, "server"))):
                 await until(lambda: router.endpoints["server"].numbers)
             vehicle = UdpPeer(port(router, "vehicle"))
