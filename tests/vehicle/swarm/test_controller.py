@@ -106,6 +106,7 @@ def test_a_course_waits_while_no_position_arrives():
         before = members[0].place
         await asyncio.sleep(course.duration)
         assert members[0].place == pytest.approx(before, abs=0.01)
+        assert not any(member.velocity.any() for member in members)
         for member in members:
             member.age = 0.0
         await asyncio.sleep(0.1)
@@ -198,3 +199,26 @@ def test_the_guard_counts_a_vehicle_that_is_not_a_member():
         assert stopped.value.systems == (1, 9)
 
     run(scenario, SwarmOptions(avoid=False))
+
+
+def test_a_vehicle_without_a_position_is_not_avoided():
+    async def scenario(controller, members):
+        stranger = Stranger()
+        stranger.place = stranger.velocity = np.full(3, np.nan)
+        await controller.fly(straight_transition(STARTS, GOALS), members, others=[stranger])
+        assert np.array([each.place for each in members]) == pytest.approx(GOALS, abs=0.01)
+
+    run(scenario)
+
+
+def test_members_fly_their_course_if_the_position_of_one_is_not_known():
+    async def scenario(controller, members):
+        unknown = np.full(3, np.nan)
+        members[0].state = lambda: (unknown, unknown)
+        flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
+        await asyncio.sleep(3)
+        assert np.isfinite(np.array([each.place for each in members])).all()
+        assert members[1].place[1] > STARTS[1][1] + 1.0
+        flight.cancel()
+
+    run(scenario)
