@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 
 import numpy as np
 import pytest
@@ -130,6 +131,9 @@ def test_followers_avoid_a_leader_that_turns_back_through_them():
             await asyncio.sleep(20)
             await leader.move(north=40)
             await leader.move(north=-60)
+            await asyncio.sleep(25)  # the members have reached their slots, and follow the leader
+            assert math.isinf(swarm._running._course.duration)
+            assert [each.vehicle for each in swarm._running._others] == [leader]
             await following
             assert swarm.smallest_separation > 3.0
 
