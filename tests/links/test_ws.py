@@ -183,6 +183,17 @@ async def test_the_request_of_a_client_reaches_the_server():
     assert "red" not in repr(request)
 
 
+async def test_a_path_that_is_no_url_is_a_path():
+    async with open_link("wsin://127.0.0.1:0") as server:
+        reader, writer = await asyncio.open_connection("127.0.0.1", server.address[1])
+        head = "Host: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        writer.write(f"GET //[bad?room=1 HTTP/1.1\r\n{head}{key}".encode())
+        assert (await reader.readline()).startswith(b"HTTP/1.1 101")
+        assert (await anext(server)).channel.request.query == {"room": "1"}
+        writer.close()
+
+
 async def test_other_channels_have_no_request():
     server = await open_link("wsin://127.0.0.1:0")
     async with server, open_link(f"ws://127.0.0.1:{server.address[1]}") as client:

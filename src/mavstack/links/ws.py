@@ -26,7 +26,7 @@ from http import HTTPStatus
 from secrets import token_bytes
 from time import time
 from typing import TYPE_CHECKING, Any, Final, cast
-from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
+from urllib.parse import parse_qsl, quote, unquote, urlencode
 
 from mavstack.errors import LinkError, LinkURLError, MissingExtraError
 from mavstack.handshakes import HANDSHAKE_TIMEOUT, Handshakes, TlsHandshake
@@ -315,6 +315,6 @@ def _request(socket: WebSocket) -> Request | None:
 
 
 def _parse_request(target: str, headers: Iterable[tuple[str, str]]) -> Request:
-    parts = urlsplit(target)
-    query = dict(parse_qsl(parts.query, keep_blank_values=True))
-    return Request(unquote(parts.path), query, {name.lower(): value for name, value in headers})
+    path, _, text = target.partition("#")[0].partition("?")
+    query = dict(parse_qsl(text, keep_blank_values=True))
+    return Request(unquote(path), query, {name.lower(): value for name, value in headers})

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from textwrap import dedent
 
 import pytest
+
+from mavstack.cli.common.stdin_lines import stdin_lines
 
 #: Prints whether it is in the background, each pause after a read in the background, and the lines of
 #: standard input until `end`.
@@ -70,6 +74,38 @@ def test_lines_of_a_pipe() -> None:
         check=True,
     )
     assert done.stdout.splitlines() == ["foreground", "read one", "read two"]
+
+
+@pytest.fixture
+def writing(monkeypatch):
+    """The other end of standard input."""
+    ours, theirs = os.pipe()
+    os.set_blocking(theirs, False)
+    with os.fdopen(ours, "rb") as stdin:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        yield theirs
+
+
+async def test_a_program_that_writes_faster_than_lines_are_handled_waits(writing):
+    lines = stdin_lines()
+    os.write(writing, b"first\n")
+    assert await anext(lines) == "first"
+    written = 0
+    for _ in range(100):
+        with suppress(BlockingIOError):
+            while written < 1 << 20:
+                written += os.write(writing, b"more\n" * 1000)
+        await asyncio.sleep(0.001)
+    os.close(writing)
+    assert written < 1 << 20
+    assert len([line async for line in lines]) == written // 5 + (written % 5 > 0)
+
+
+async def test_a_line_without_an_end_is_cut(writing, monkeypatch):
+    monkeypatch.setattr("mavstack.cli.common.stdin_lines._MAX_LINE", 5000)
+    os.write(writing, b"a" * 20_000)
+    os.close(writing)
+    assert [len(line) async for line in stdin_lines()] == [8192, 8192, 3616]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="terminals of POSIX")

@@ -192,6 +192,21 @@ def test_members_avoid_a_vehicle_that_is_not_a_member():
     run(scenario)
 
 
+def test_members_that_were_stopped_avoid_a_vehicle_that_is_not_a_member():
+    async def scenario(controller, members):
+        flight = asyncio.create_task(
+            controller.fly(straight_transition(STARTS, GOALS), members, others=[Stranger()])
+        )
+        await asyncio.sleep(0.5)
+        controller.stop("a test")
+        with pytest.raises(SwarmStopped, match="a test"):
+            await flight
+        await asyncio.sleep(20.0)
+        assert controller.guard.smallest_separation > 3.0
+
+    run(scenario)
+
+
 def test_the_guard_counts_a_vehicle_that_is_not_a_member():
     async def scenario(controller, members):
         with pytest.raises(SwarmStopped, match="separation of vehicle 1 and vehicle 9") as stopped:

@@ -15,7 +15,7 @@ import os
 import signal
 import sys
 from contextlib import suppress
-from threading import Thread
+from threading import Semaphore, Thread
 from time import sleep
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 _MAX_CHUNK: Final = 4096
+#: Maximum number of chunks that wait; then the thread waits, and with it the program that writes.
+_MAX_WAITING: Final = 64
+#: Maximum number of bytes of a line; a longer line is cut into several.
+_MAX_LINE: Final = 1 << 20
 #: Seconds between two checks of a background process whether it is in the foreground now.
 _FOREGROUND_INTERVAL: Final = 0.2
 
@@ -35,12 +39,13 @@ async def stdin_lines() -> AsyncIterator[str]:
         return
     loop = asyncio.get_running_loop()
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
+    room = Semaphore(_MAX_WAITING)
 
     def read() -> None:
         if sys.platform != "win32":
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTTIN})
         with suppress(RuntimeError):  # the event loop is closed
-            while True:
+            while room.acquire():
                 data = _read(descriptor)
                 loop.call_soon_threadsafe(chunks.put_nowait, data)
                 if not data:
@@ -49,7 +54,10 @@ async def stdin_lines() -> AsyncIterator[str]:
     Thread(target=read, name="mavstack-stdin", daemon=True).start()
     rest = b""
     while data := await chunks.get():
+        room.release()
         *lines, rest = (rest + data).split(b"\n")
+        if len(rest) > _MAX_LINE:
+            lines, rest = [*lines, rest], b""
         for line in lines:
             yield line.decode(errors="replace")
     if rest:

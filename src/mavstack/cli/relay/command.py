@@ -157,7 +157,7 @@ def revoke(arguments: Namespace) -> int:
     """Run `mav relay revoke`."""
     from mavstack.relay.revocations import revoke as revoke_ticket
 
-    query = dict(parse_qsl(urlsplit(arguments.invitation).query)) if "://" in arguments.invitation else {}
+    query = dict(parse_qsl(arguments.invitation.partition("?")[2]))
     try:
         is_new = revoke_ticket(query.get("ticket", arguments.invitation), arguments.path)
     except InvalidArgumentError as error:
@@ -190,12 +190,12 @@ def invite(arguments: Namespace) -> int:
 
 
 def _url(scheme: str, relay: str, ticket: str, secret: str) -> str:
-    parts = urlsplit(relay if "://" in relay else f"wss://{relay}")
     try:
+        parts = urlsplit(relay if "://" in relay else f"wss://{relay}")
         port = parts.port
     except ValueError:
-        port = -1
-    if parts.scheme not in _PORTS or not parts.hostname or port == -1:
+        parts, port = urlsplit(""), None
+    if parts.scheme not in _PORTS or not parts.hostname:
         raise UsageError(f"{relay} is not the URL of a relay, such as wss://relay.example:7070")
     options = {"ticket": ticket, "secret": secret} | ({"tls": "no"} if parts.scheme == "ws" else {})
     return str(LinkURL(scheme, parts.hostname, port or _PORTS[parts.scheme], parts.path, options))

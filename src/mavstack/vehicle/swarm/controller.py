@@ -138,7 +138,7 @@ class SwarmController:
         """
         self._stopped = SwarmStopped(reason, tuple(systems))
         logger.warning("%s", self._stopped)
-        self.stand()
+        self._begin(Standing(self.places()), self.active, self._others)
 
     async def fly(
         self,
