@@ -202,7 +202,7 @@ def test_members_that_were_stopped_avoid_a_vehicle_that_is_not_a_member():
         with pytest.raises(SwarmStopped, match="a test"):
             await flight
         await asyncio.sleep(20.0)
-        assert controller.guard.smallest_separation > 3.0
+        assert 3.0 < controller.guard.smallest_separation < 6.0, "it came near"
 
     run(scenario)
 
