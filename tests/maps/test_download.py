@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 
 import pytest
 
@@ -142,3 +143,18 @@ def test_limits(tmp_path):
     ):
         with pytest.raises(InvalidArgumentError, match=r"rate|connections"):
             Pace(**wrong)
+
+
+def test_a_slow_disk_holds_up_a_thread_and_not_the_event_loop(tmp_path, monkeypatch):
+    commit, threads = MapArchive.commit, []
+
+    def noted(archive):
+        threads.append((threading.current_thread(), archive._connection.in_transaction))
+        commit(archive)
+
+    monkeypatch.setattr(MapArchive, "commit", noted)
+    with MapArchive.create(tmp_path / "a.mbtiles") as archive:
+        download(archive, Scripted(good), pace=FAST)
+    writing = [thread for thread, is_needed in threads if is_needed]
+    assert writing
+    assert threading.main_thread() not in writing

@@ -138,6 +138,8 @@ class _Download:
         self._result, self._progress = report
         self._next = 0.0
         self._unwritten = 0
+        # A slow disk holds up a thread, not the event loop; meanwhile the workers leave the archive alone.
+        self._disk = asyncio.Lock()
 
     async def run(self) -> None:
         """Download all missing tiles."""
@@ -146,15 +148,23 @@ class _Download:
             async with asyncio.TaskGroup() as workers:
                 for _ in range(self._pace.connections):
                     workers.create_task(self._work(tiles))
+            await self._commit()
         except* MapError as errors:
             raise errors.exceptions[0] from None
         finally:
             self._archive.commit()
 
+    async def _commit(self) -> None:
+        self._unwritten = 0
+        async with self._disk:
+            await asyncio.to_thread(self._archive.commit)
+
     async def _work(self, tiles: Iterator[Tile]) -> None:
         """Take tiles from those that all workers share, and download those that the archive lacks."""
         for tile in tiles:
-            if tile not in self._archive:
+            async with self._disk:
+                is_present = tile in self._archive
+            if not is_present:
                 await self._store(tile)
                 continue
             self._result.present += 1
@@ -168,7 +178,7 @@ class _Download:
             await self._turn()
             answer = await self._server.fetch(tile)
             if answer.retry_after is None:
-                self._keep(tile, answer.data, answer.format)
+                await self._keep(tile, answer.data, answer.format)
                 return
             pause = min(MAX_PAUSE, max(answer.retry_after, 0.5 * 2**attempt))
             self._next = max(self._next, asyncio.get_running_loop().time() + pause)
@@ -184,20 +194,20 @@ class _Download:
         self._next = start + 1 / self._pace.rate
         await asyncio.sleep(start - loop.time())
 
-    def _keep(self, tile: Tile, data: bytes, form: str) -> None:
+    async def _keep(self, tile: Tile, data: bytes, form: str) -> None:
         result = self._result
         if data:
-            if result.added == 0:
-                self._archive.extend(self._area, self._zooms, form)
-            self._archive.put(tile, data)
+            async with self._disk:
+                if result.added == 0:
+                    self._archive.extend(self._area, self._zooms, form)
+                self._archive.put(tile, data)
             result.added += 1
             result.bytes += len(data)
         else:
             result.absent += 1
         self._unwritten += 1
         if self._unwritten >= BATCH:
-            self._unwritten = 0
-            self._archive.commit()
+            await self._commit()
         self._report()
 
     def _report(self) -> None:
