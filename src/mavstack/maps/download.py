@@ -149,7 +149,7 @@ class _Download:
                 for _ in range(self._pace.connections):
                     workers.create_task(self._work(tiles))
             await self._commit()
-        except* MapError as errors:
+        except ExceptionGroup as errors:
             raise errors.exceptions[0] from None
         finally:
             self._archive.commit()
