@@ -63,6 +63,10 @@ def _print(row: Row, *, as_json: bool) -> None:
     echo(f"{row.message} {values}")
 
 
+def _open(name: str) -> BufferedReader:
+    return cast("BufferedReader", sys.stdin.buffer) if name == "-" else Path(name).open("rb")
+
+
 def _chunks(arguments: Namespace, *, whole: bool) -> Iterator[bytes]:
     """Yield the bytes as they arrive; all bytes are one datagram if `whole`."""
     from mavstack.server.rows.framing import MAX_DATAGRAM
@@ -76,8 +80,7 @@ def _chunks(arguments: Namespace, *, whole: bool) -> Iterator[bytes]:
             ) from None
         return
     try:
-        standard_input = cast("BufferedReader", sys.stdin.buffer)
-        with standard_input if arguments.bytes == "-" else Path(arguments.bytes).open("rb") as file:
+        with _open(arguments.bytes) as file:
             if whole:
                 yield file.read(MAX_DATAGRAM + 1)
                 return
