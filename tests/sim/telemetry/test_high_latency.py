@@ -60,7 +60,9 @@ def test_px4_sends_it_while_no_ground_station_is_heard():
     assert common.HighLatency2 not in sent(harness, 70)  # the command lasted until the next status
     harness.sends_heartbeats = False
     before = len(harness.received)
-    assert common.Heartbeat not in sent(harness, 180)
+    assert common.HighLatency2 not in sent(harness, 9)
+    assert common.HighLatency2 in sent(harness, 2)  # COM_DL_LOSS_T is 10 s
+    assert common.Heartbeat not in sent(harness, 170)
     reports = [m for m in harness.received[before:] if isinstance(m, common.HighLatency2)]
     assert (reports[1].timestamp - reports[0].timestamp) / 1e3 == pytest.approx(200 / 3, abs=0.1)
 
