@@ -141,6 +141,21 @@ def test_followers_avoid_a_leader_that_turns_back_through_them():
 
 
 @pytest.mark.flight
+def test_a_swarm_whose_members_have_left_flies_no_more():
+    async def scenario(world, _vehicle):
+        vehicles = await launch(world, 2)
+        async with world.node.swarm() as swarm:
+            for vehicle in vehicles:
+                await vehicle.set_mode("loiter" if vehicle.system == 1 else "hold")
+            await asyncio.sleep(3)
+            for call in (swarm.move(north=10), swarm.formation("line"), swarm.rotate(90)):
+                with pytest.raises(SwarmStopped, match="no member follows setpoints any more"):
+                    await call
+
+    fly(COPTERS[:2], scenario)
+
+
+@pytest.mark.flight
 def test_stop_ends_the_call_that_waits():
     async def scenario(world, _vehicle):
         vehicles = await launch(world, 2)
