@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.bridges.core.calls import CALLS, VehicleCalls, request_fields
-from mavstack.bridges.core.row import Action
 from mavstack.bridges.core.services.context import ServiceContext
 from mavstack.errors import InvalidArgumentError
 from mavstack.security.roles import Role
@@ -36,7 +36,7 @@ def test_calls_fly() -> None:
         assert await call("action/takeoff", {"altitude": 5.0}) == {"ok": True, "result": {}}
         assert vehicle.position.relative_altitude == pytest.approx(5, abs=0.7)
         here = {"latitude": vehicle.position.latitude + 1e-4, "longitude": vehicle.position.longitude}
-        assert (await call("action/goto", here | {"altitude": None, "yaw": None}))["ok"]
+        assert (await call("action/goto", here))["ok"]
         assert vehicle.position.relative_altitude == pytest.approx(5, abs=0.7)
 
     fly(COPTER, scenario)
@@ -70,17 +70,40 @@ def test_an_observer_changes_nothing() -> None:
 
 def test_fields_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InvalidArgumentError, match="needs the field 'value'"):
-        request_fields("mavros_msgs/srv/CommandBool_Request", {})
-    with pytest.raises(InvalidArgumentError, match="must be true or false"):
-        request_fields("mavros_msgs/srv/CommandBool_Request", {"value": 1})
-    with pytest.raises(InvalidArgumentError, match="needs the field 'altitude'"):
-        request_fields(
-            "mavstack_msgs/action/Goto_Goal", {"latitude": 1, "longitude": 2, "yaw": 0}, all_required=True
-        )
+        request_fields(CALLS["cmd/arming"], {})
+    for wrong in (1, None, "true"):
+        with pytest.raises(InvalidArgumentError, match="must be true or false"):
+            request_fields(CALLS["cmd/arming"], {"value": wrong})
+    with pytest.raises(InvalidArgumentError, match="needs the field 'longitude'"):
+        request_fields(CALLS["action/goto"], {"latitude": 1, "altitude": 2, "yaw": 0})
     with pytest.raises(InvalidArgumentError, match="a sequence must be a list, got 4000000000"):
-        request_fields("mavros_msgs/srv/FileWrite_Request", {"data": 4_000_000_000})
+        request_fields(CALLS["ftp/write"], {"data": 4_000_000_000})
     with pytest.raises(InvalidArgumentError, match="no field 'mode'"):
-        request_fields("mavros_msgs/srv/SetMode_Request", {"mode": "AUTO"})
+        request_fields(CALLS["set_mode"], {"mode": "AUTO"})
+
+
+def test_only_fields_whose_default_would_act_are_required() -> None:
+    required = {name: row.required for name, row in CALLS.items() if row.required}
+    assert required == {
+        "cmd/arming": ("value",),
+        "cmd/set_home": ("current_gps",),
+        "cmd/trigger_control": ("trigger_enable",),
+        "set_stream_rate": ("on_off",),
+        "action/takeoff": ("altitude",),
+        "action/goto": ("latitude", "longitude"),
+    }
+    command = request_fields(CALLS["cmd/command"], {"command": 511, "param1": 30})
+    assert (command["command"], command["param1"], command["param7"]) == (511, 30.0, 0.0)
+    assert command["broadcast"] is False
+    goal = request_fields(CALLS["action/goto"], {"latitude": 1, "longitude": 2})
+    assert (goal["latitude"], goal["longitude"]) == (1.0, 2.0)
+    assert math.isnan(goal["altitude"])
+    assert math.isnan(goal["yaw"])
+
+
+@pytest.mark.parametrize("name", ["action/land", "action/rtl", "action/mission", "arm", "param/pull"])
+def test_requests_without_fields(name: str) -> None:
+    assert request_fields(CALLS[name], {})
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -92,7 +115,5 @@ def test_fields_that_do_not_fit_are_refused() -> None:
     )
 )
 def test_bad_requests_are_refused_or_valid(name: str, request: dict[str, Any]) -> None:
-    row = CALLS[name]
-    suffix = "_Goal" if isinstance(row, Action) else "_Request"
     with suppress(InvalidArgumentError):
-        assert isinstance(request_fields(row.type + suffix, request), dict)
+        assert isinstance(request_fields(CALLS[name], request), dict)

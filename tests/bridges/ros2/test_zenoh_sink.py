@@ -127,6 +127,29 @@ def test_a_topic_costs_nothing_when_its_last_subscriber_leaves(router: int) -> N
     run(router, scenario)
 
 
+def test_a_burst_of_reliable_samples_arrives(router: int) -> None:
+    """All parameters of a vehicle come at once, beside streams of sensors."""
+    event, count = "mavros_msgs/msg/ParamEvent", 3000
+
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        vehicle = bridge.vehicles[1]
+        session = zenoh_client(router)
+        got: list[int] = []
+
+        def receive(sample: Any) -> None:
+            got.append(codec_of(event).decode_fields(bytes(sample.payload))["param_index"])
+
+        session.declare_subscriber(key_of(0, "/mavros/param/event", event), receive)
+        await until(lambda: vehicle.mapper.topics["param/event"].active)
+        for number in range(count):
+            vehicle.publish("param/event", ("NAME", 3, False, 0, 1.5, "", b"", *((),) * 4, number, count))
+        await until(lambda: got[-1:] == [count - 1])
+        assert got == list(range(count))
+        session.close()
+
+    run(router, scenario)
+
+
 def test_what_others_send_ends_nothing(router: int) -> None:
     """Samples and requests of random bytes on all keys of the bridge: counted, and answered by an error."""
 

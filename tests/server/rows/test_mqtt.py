@@ -51,11 +51,13 @@ def test_urls_without_topics_are_refused(query: str, reason: str) -> None:
 class ScriptedSession:
     """The session with a broker that ends and comes back, and sends two messages."""
 
-    def __init__(self, _broker: Broker, *, subscriptions: Sequence[str], connected: Any, take: Any) -> None:
-        self.subscriptions, self.connected, self.take = subscriptions, connected, take
+    def __init__(self, _broker: Broker, *, subscriptions: Sequence[str], take: Any, **calls: Any) -> None:
+        self.subscriptions, self.take = subscriptions, take
+        self.connected, self.disconnected = calls["connected"], calls["disconnected"]
 
     async def open(self) -> None:
         for payload in (b"3", b"4"):
+            self.disconnected("the keep-alive time is over")
             self.connected()
             self.take(Arrived(self.subscriptions[0], payload))
 
@@ -72,6 +74,8 @@ async def test_each_message_is_a_line_after_a_reconnection_too(
     await reader.open()
     await wait_until(lambda: reader.received == 2)
     assert len(reader.link.channels) == 1
+    reader.link._session.disconnected("the keep-alive time is over")
+    assert not reader.link.channels
     latest = hub.latest["bench", "ROW"]
     assert (latest.count, latest.value["fields"]) == (2, {"v": 4})
     assert parse_row_url("frames+mqtt://127.0.0.1?topic=a/+/b").link.options["topic"] == "a/+/b"
@@ -89,10 +93,14 @@ async def test_no_broker_is_an_error() -> None:
 @pytest.mark.interop
 @needs_mosquitto
 async def test_messages_are_frames_and_lines(tmp_path: Any) -> None:
-    with broker(tmp_path) as port:
-        await asyncio.to_thread(lambda: Client(port).close())  # it waits until the broker accepts
-        async with Station(network_only=True) as station:
-            api = ApiClient(make_app(station, Access(), static=None))
+    async with Station(network_only=True) as station:
+        api = ApiClient(make_app(station, Access(), static=None))
+
+        async def states() -> list[Any]:
+            return [(each["state"], each["rows"]["refused"]) for each in (await api.get("/api/sources")).json]
+
+        with broker(tmp_path) as port:
+            await asyncio.to_thread(lambda: Client(port).close())  # it waits until the broker accepts
             frames = f"frames+mqtt://127.0.0.1:{port}?topic=bench/+&name=bench"
             assert (await api.post("/api/sources", {"url": frames, "decoder": DECODER})).status == 201
             lines = f"csv+mqtt://127.0.0.1:{port}?topic=text&name=text&template=a:m"
@@ -111,7 +119,6 @@ async def test_messages_are_frames_and_lines(tmp_path: Any) -> None:
             await sender.close()
             assert latest["bench", "BENCH"].value["fields"] == {"volts": 11.5}
             assert latest["text", "ROW"].value["fields"] == {"a": 3}
-            states = [
-                (each["state"], each["rows"]["refused"]) for each in (await api.get("/api/sources")).json
-            ]
-            assert states == [("connected", 0), ("connected", 0)]
+            assert await states() == [("connected", 0), ("connected", 0)]
+        await wait_until(lambda: all(each.state == "waiting" for each in station.sources.list()))
+        assert await states() == [("waiting", 0), ("waiting", 0)]

@@ -5,8 +5,9 @@ with the fields of the ROS type, its reply an object:
 
     {"ok": true, "result": {…}}      {"ok": false, "reason": "arming 1/1 failed: FAILED (PreArm: …)"}
 
-Fields that are left out are 0 or empty, as in ROS. Those that would act by that are required: booleans, and
-all fields of an action. The altitude and yaw of `action/goto` may be null, which keeps them.
+Fields that are left out are 0, false or empty, as in ROS; the altitude and yaw of `action/goto` are kept. The
+fields that a row lists as `required` must be given, since their default values would act: a request without
+`value` must not disarm.
 """
 
 from __future__ import annotations
@@ -69,38 +70,39 @@ class VehicleCalls:
         if row.role > self._role:
             raise InvalidStateError(NO_CONTROL)
         if isinstance(row, Action):
-            await row.run(self._vehicle, request_fields(f"{row.type}_Goal", request, all_required=True))
+            await row.run(self._vehicle, request_fields(row, request))
             return {}
-        return await row.handle(self._vehicle, request_fields(f"{row.type}_Request", request), self._context)
+        return await row.handle(self._vehicle, request_fields(row, request), self._context)
 
 
-def request_fields(
-    type_name: str, request: Mapping[str, Any], *, all_required: bool = False
-) -> dict[str, Any]:
+def request_fields(row: Service | Action, request: Mapping[str, Any]) -> dict[str, Any]:
     """Return all fields of a request, checked.
 
     Args:
-        type_name: The full name of the type of the request.
+        row: The service or action.
         request: The fields that are given.
-        all_required: No field may be left out.
 
     Raises:
         InvalidArgumentError: A field is missing or unknown, or a value does not fit its type.
     """
-    codec = codec_of(type_name)
-    _check_complete(codec.definition, request, all_required=all_required)
+    is_action = isinstance(row, Action)
+    codec = codec_of(f"{row.type}_{'Goal' if is_action else 'Request'}")
+    _check_given(codec.definition, row.required, request)
     numbers = {field.name for field in codec.definition.fields if field.type.base in _FLOATS}
     given = {name: nan if value is None and name in numbers else value for name, value in request.items()}
+    if is_action:
+        given = dict.fromkeys(numbers, nan) | given
     try:
         return codec.decode_fields(codec.encode_fields(given))
     except (CdrError, TypeError, ValueError, AttributeError) as error:
         raise InvalidArgumentError(f"the request is not valid: {error}") from None
 
 
-def _check_complete(definition: Definition, request: Mapping[str, Any], *, all_required: bool) -> None:
+def _check_given(definition: Definition, required: tuple[str, ...], request: Mapping[str, Any]) -> None:
+    for name in required:
+        if name not in request:
+            raise InvalidArgumentError(f"the request needs the field {name!r}")
     for field in definition.fields:
         single_bool = field.type.base == "bool" and field.type.container is Container.ONE
-        if (all_required or single_bool) and field.name not in request:
-            raise InvalidArgumentError(f"the request needs the field {field.name!r}")
-        if single_bool and not isinstance(request[field.name], bool):
+        if single_bool and not isinstance(request.get(field.name, False), bool):
             raise InvalidArgumentError(f"the field {field.name!r} must be true or false")

@@ -110,6 +110,7 @@ class Service:
         role: The role that may use it.
         meaning: The MAVLink that it uses, for the table.
         difference: How it differs from MAVROS; empty: it does not.
+        required: The fields that a request in JSON must have: their default values would act.
     """
 
     name: str
@@ -118,6 +119,7 @@ class Service:
     role: Role = Role.OPERATE
     meaning: str = ""
     difference: str = ""
+    required: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +133,7 @@ class Action:
         feedback: Returns the fields of the feedback.
         role: The role that may use it.
         meaning: The call, for the table.
+        required: The fields that a goal in JSON must have; numbers that are left out are NaN.
     """
 
     name: str
@@ -139,6 +142,7 @@ class Action:
     feedback: Callable[[Vehicle, dict[str, Any]], dict[str, Any]]
     role: Role = Role.OPERATE
     meaning: str = ""
+    required: tuple[str, ...] = ()
 
 
 Row: TypeAlias = Publication | Subscription | Service | Action

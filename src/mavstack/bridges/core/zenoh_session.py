@@ -21,6 +21,8 @@ DEFAULT_ROUTER: Final = "tcp/127.0.0.1:7447"
 OPEN_TIMEOUT: Final = 5.0
 #: Milliseconds without data after which the other end closes the session; Zenoh's default is 10 s.
 LEASE: Final = 4000
+#: Maximum number of batches of reliable samples that wait for the network; Zenoh has no more than 16.
+RELIABLE_BATCHES: Final = 16
 _START_ROUTER: Final = "start one with `zenohd` or `ros2 run rmw_zenoh_cpp rmw_zenohd`"
 
 
@@ -56,6 +58,9 @@ class SessionOptions:
             "transport/link/tx/lease": LEASE,
             # By default a put waits a millisecond for room in a full queue, in the event loop.
             "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 0,
+            # Batches of 64 KiB. Reliable samples come in bursts, such as all parameters of a vehicle; the
+            # queue of telemetry stays short, since old telemetry has no value.
+            "transport/link/tx/queue/size/data_high": RELIABLE_BATCHES,
             "metadata": {"name": "mavstack"},
         }
         if self.mode == "peer":

@@ -114,6 +114,7 @@ class Session:
         will: The topic that gets "offline", retained, when the session breaks; empty: none.
         subscriptions: The topics whose messages are taken.
         connected: Called in the event loop after each connection.
+        disconnected: Called in the event loop with the reason when a connection is lost.
         take: Called in the event loop with each message.
         retained: The messages that the broker keeps are taken too.
 
@@ -128,6 +129,7 @@ class Session:
         subscriptions: Sequence[str] = (),
         *,
         connected: Callable[[], object] = lambda: None,
+        disconnected: Callable[[str], object] = lambda reason: None,
         take: Callable[[Arrived], object] = lambda message: None,
         retained: bool = False,
     ) -> None:
@@ -143,7 +145,7 @@ class Session:
         self._subscriptions = tuple(subscriptions)
         self._retain_handling = _RETAIN_ALL if retained else _RETAIN_NOTHING
         self._under_way = 0
-        self._connected_callback = connected
+        self._connected_callback, self._disconnected_callback = connected, disconnected
         self._client: Any = client.Client(enums.CallbackAPIVersion.VERSION2, protocol=client.MQTTv5)
         self._arrivals: Handoff[Arrived] | None = None
         self._take = take
@@ -313,3 +315,4 @@ class Session:
         if self._online:
             self._online = False
             logger.warning("the MQTT broker %s is not connected any more: %s", self._broker, reason)
+            self._disconnected_callback(reason)

@@ -2,7 +2,8 @@
 
 The session is a client of a Zenoh router, as ROS 2 has one (`ros2 run rmw_zenoh_cpp rmw_zenohd`). Callbacks
 of Zenoh come on its own threads, and pass through a `Handoff` into the event loop. Samples are put with
-`DROP`, which never blocks: a slow network loses samples of its own.
+`DROP`, as rmw_zenoh puts them: it never blocks, so that a subscriber that stops reading delays no other one.
+Reliable samples have a higher priority, and thus separate queues.
 """
 
 from __future__ import annotations
@@ -112,9 +113,13 @@ class ZenohSink:
         token = self._declare(topic.node, PUBLISHER, topic.name, topic.type, topic.qos)
         publisher = _TopicPublisher(topic, gid_of(token), self._outgoing)
         key = key_of(self._domain, topic.name, topic.type)
-        zenoh = self._zenoh
-        reliability = zenoh.Reliability.RELIABLE if topic.qos.reliable else zenoh.Reliability.BEST_EFFORT
-        options = {"congestion_control": zenoh.CongestionControl.DROP, "reliability": reliability}
+        zenoh, reliable = self._zenoh, topic.qos.reliable
+        options = {
+            "congestion_control": zenoh.CongestionControl.DROP,
+            "reliability": zenoh.Reliability.RELIABLE if reliable else zenoh.Reliability.BEST_EFFORT,
+            # A queue that streams of sensors do not fill, here and in the router.
+            "priority": zenoh.Priority.DATA_HIGH if reliable else zenoh.Priority.DATA,
+        }
         self._publishers.append(publisher)
         if topic.qos.latched:
             declared = zenoh.ext.declare_advanced_publisher(

@@ -52,6 +52,8 @@ def row_fields(row: Row) -> dict[str, Any]:
         found["messages"] = [name_of(message) for message in messages]
     if not isinstance(row, Publication):
         found["role"] = row.role.word
+    if isinstance(row, Service | Action):
+        found["required"] = list(row.required)
     found["meaning"] = row.meaning
     if not isinstance(row, Action):
         found["difference"] = row.difference

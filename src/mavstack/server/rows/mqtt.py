@@ -70,7 +70,13 @@ class MqttLink(Link):
         secure = url.scheme == "mqtts"
         user, password, authority = (options.text(name) for name in ("user", "password", "ca"))
         broker = Broker(url.host, url.port, secure, user, password, authority)
-        self._session = Session(broker, subscriptions=topics, connected=self._connect, take=self._take)
+        self._session = Session(
+            broker,
+            subscriptions=topics,
+            connected=self._connect,
+            disconnected=self._disconnect,
+            take=self._take,
+        )
         self._channel: MqttChannel | None = None
 
     async def open_transport(self) -> None:
@@ -86,6 +92,11 @@ class MqttLink(Link):
             peer = f"{self.url.host}:{self.url.port}"
             self._channel = MqttChannel(f"{self.url.scheme} {peer}", peer, self.inbox.remove_channel)
             self.inbox.add_channel(self._channel)
+
+    def _disconnect(self, reason: str) -> None:
+        channel, self._channel = self._channel, None
+        if channel is not None:
+            channel.close(f"the broker is away: {reason}")
 
     def _take(self, message: Arrived) -> None:
         if self._channel is not None and not self.closed:

@@ -270,24 +270,31 @@ def _row(
     meaning: str,
     role: Role = Role.OPERATE,
     difference: str = "",
+    required: tuple[str, ...] = (),
 ) -> Service:
     full = kind if "/" in kind else f"mavros_msgs/srv/{kind}"
-    return Service(name, full, handle, role, meaning, difference)
+    return Service(name, full, handle, role, meaning, difference, required)
 
 
 _TRIGGER: Final = "std_srvs/srv/Trigger"
 _OURS: Final = "not in MAVROS; the message has the vehicle's reason"
 
 ROWS: Final = (
-    _row("cmd/arming", "CommandBool", arming, "COMPONENT_ARM_DISARM"),
+    _row("cmd/arming", "CommandBool", arming, "COMPONENT_ARM_DISARM", required=("value",)),
     _row("cmd/takeoff", "CommandTOL", takeoff, "NAV_TAKEOFF"),
     _row("cmd/land", "CommandTOL", land, "NAV_LAND"),
     _row("cmd/takeoff_local", "CommandTOLLocal", takeoff_local, "NAV_TAKEOFF_LOCAL"),
     _row("cmd/land_local", "CommandTOLLocal", land_local, "NAV_LAND_LOCAL"),
     _row("cmd/command", "CommandLong", command_long, "any MAV_CMD", Role.ADMINISTER),
     _row("cmd/command_int", "CommandInt", command_int, "any MAV_CMD", Role.ADMINISTER),
-    _row("cmd/set_home", "CommandHome", set_home, "DO_SET_HOME"),
-    _row("cmd/trigger_control", "CommandTriggerControl", trigger_control, "DO_TRIGGER_CONTROL"),
+    _row("cmd/set_home", "CommandHome", set_home, "DO_SET_HOME", required=("current_gps",)),
+    _row(
+        "cmd/trigger_control",
+        "CommandTriggerControl",
+        trigger_control,
+        "DO_TRIGGER_CONTROL",
+        required=("trigger_enable",),
+    ),
     _row("cmd/trigger_interval", "CommandTriggerInterval", trigger_interval, "DO_SET_CAM_TRIGG_INTERVAL"),
     _row("cmd/vtol_transition", "CommandVtolTransition", vtol_transition, "DO_VTOL_TRANSITION"),
     _row(
@@ -297,7 +304,14 @@ ROWS: Final = (
         "DO_SET_MODE",
         difference="mode_sent is the vehicle's answer, not the fact that a message was sent",
     ),
-    _row("set_stream_rate", "StreamRate", set_stream_rate, "REQUEST_DATA_STREAM", Role.OBSERVE),
+    _row(
+        "set_stream_rate",
+        "StreamRate",
+        set_stream_rate,
+        "REQUEST_DATA_STREAM",
+        Role.OBSERVE,
+        required=("on_off",),
+    ),
     _row(
         "set_message_interval", "MessageInterval", set_message_interval, "SET_MESSAGE_INTERVAL", Role.OBSERVE
     ),

@@ -93,8 +93,22 @@ def mission_progress(vehicle: Vehicle, goal: Fields) -> Fields:
 
 _P: Final = "mavstack_msgs/action/"
 ROWS: Final = (
-    Action("action/takeoff", f"{_P}Takeoff", takeoff, height, meaning="Vehicle.takeoff, m above home"),
-    Action("action/goto", f"{_P}Goto", goto, way_to_goal, meaning="Vehicle.goto; yaw in rad from east"),
+    Action(
+        "action/takeoff",
+        f"{_P}Takeoff",
+        takeoff,
+        height,
+        meaning="Vehicle.takeoff, m above home",
+        required=("altitude",),
+    ),
+    Action(
+        "action/goto",
+        f"{_P}Goto",
+        goto,
+        way_to_goal,
+        meaning="Vehicle.goto; yaw in rad from east",
+        required=("latitude", "longitude"),
+    ),
     Action("action/land", f"{_P}Land", land, height, meaning="Vehicle.land"),
     Action("action/rtl", f"{_P}ReturnToLaunch", return_to_launch, way_home, meaning="Vehicle.rtl"),
     Action("action/mission", f"{_P}FlyMission", fly_mission, mission_progress, meaning="Vehicle.mission.fly"),
