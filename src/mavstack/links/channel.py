@@ -131,11 +131,12 @@ class Channel(ABC):
         if self.closed:
             raise LinkClosedError(f"{self.name} is closed")
         accepted = self.send_bytes(data)
+        counters = self.counters
         if accepted:
-            self.counters.bytes_out += len(data)
-            self.counters.chunks_out += 1
+            counters.bytes_out += len(data)
+            counters.chunks_out += 1
         else:
-            self.counters.dropped_out += 1
+            counters.dropped_out += 1
         return accepted
 
     async def drain(self) -> None:  # noqa: B027 - not every channel has a send queue

@@ -33,6 +33,7 @@ from mavstack.node.signing_setup import setup_signing
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.terrain import Terrain
 from mavstack.node.time_budget import TimeBudget
+from mavstack.services.addressing import target_fields
 from mavstack.services.arguments import check_number
 from mavstack.services.camera import ListCameras
 from mavstack.services.command import Command, CommandOperation
@@ -337,9 +338,10 @@ class RemoteComponent(ReadOnly):
             InvalidStateError: The node is closed.
             EncodeError: The message cannot be encoded in the node's MAVLink version.
         """
-        fields: dict[str, Any] = dict(zip(("target_system", "target_component"), self.address, strict=True))
-        known = {name: value for name, value in fields.items() if name in message.__match_args__}
-        self._host.send(message.replace(**known), self.address)
+        if fields := target_fields(type(message)):
+            values: dict[str, Any] = dict(zip(fields, self.address, strict=False))
+            message = message.replace(**values)
+        self._host.send(message, self.address)
 
     # Events
 

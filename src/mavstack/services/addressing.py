@@ -6,6 +6,7 @@ MANUAL_CONTROL, whose field is called `target`. A message without them is a broa
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -37,6 +38,13 @@ def target_of(message: Message) -> Address:
     if system is None:
         return Address(getattr(message, "target", 0), 0)
     return Address(system, getattr(message, "target_component", 0))
+
+
+@lru_cache(maxsize=256)
+def target_fields(kind: type[Message]) -> tuple[str, ...]:
+    """Return the fields `target_system` and `target_component` that the messages of a class have."""
+    names = ("target_system", "target_component")
+    return tuple(name for name in names if name in kind.__match_args__)
 
 
 def message_ids(*classes: type[Message]) -> frozenset[int]:

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 _NOTHING: Final = (nan, nan, nan)
 _MAX_QUALITY: Final = 100
+#: The parts that are vectors or quaternions, and how many numbers they have.
+_SIZES: Final = (("position", 3), ("orientation", 4), ("velocity", 3), ("rotation", 3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +67,16 @@ class PoseEstimate:
     quality: int = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "frame", as_frame(self.frame))
-        object.__setattr__(self, "body_frame", as_frame(self.body_frame))
+        for name in ("frame", "body_frame"):
+            if not isinstance(getattr(self, name), Frame):
+                object.__setattr__(self, name, as_frame(getattr(self, name)))
         if self.body_frame.knows_north:
             raise InvalidArgumentError(f"a body frame is FRD, FLU or RDF, got {self.body_frame}")
         if self.position is None and self.orientation is None and self.velocity is None:
             raise InvalidArgumentError("an estimate needs a position, an orientation or a velocity")
-        for name, size in (("position", 3), ("orientation", 4), ("velocity", 3), ("rotation", 3)):
-            _check_numbers(name, getattr(self, name), size)
+        for name, size in _SIZES:
+            if (numbers := getattr(self, name)) is not None:
+                _check_numbers(name, numbers, size)
         for name in ("pose_covariance", "velocity_covariance"):
             if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
                 raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
@@ -156,7 +160,7 @@ class PoseEstimate:
     @property
     def _orientation(self) -> Quaternion:
         found = (1.0, 0.0, 0.0, 0.0) if self.orientation is None else self.orientation
-        return orientation_to_mavlink(self.frame, self.body_frame, canonical(found))
+        return orientation_to_mavlink(self.frame, self.body_frame, found)
 
 
 def as_frame(frame: Frame | str) -> Frame:
@@ -174,6 +178,6 @@ def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
     return covariance_to_mavlink(frame, covariance) if covariance else nan_triangle()
 
 
-def _check_numbers(name: str, values: Sequence[float] | None, size: int) -> None:
-    if values is not None and (len(values) != size or not all(map(isfinite, values))):
+def _check_numbers(name: str, values: Sequence[float], size: int) -> None:
+    if len(values) != size or not all(map(isfinite, values)):
         raise InvalidArgumentError(f"{name} needs {size} finite numbers, got {values}")

@@ -18,18 +18,25 @@ class StreamMonitor:
 
     def __init__(self) -> None:
         self._times: deque[tuple[float, float]] = deque(maxlen=_MAX_SAMPLES)
-        #: The parts of the last estimate, such as "position" and "yaw".
-        self.parts: frozenset[str] = frozenset()
-        #: The quality of the last estimate in percent.
-        self.quality = 0
+        self._last: PoseEstimate | None = None
         #: The number of estimates sent.
         self.sent = 0
 
     def add(self, measured_at: float, now: float, estimate: PoseEstimate) -> None:
         """Count an estimate of a time, both in Unix seconds."""
         self._times.append((now, now - measured_at))
-        self.parts, self.quality = estimate.parts, estimate.quality
+        self._last = estimate
         self.sent += 1
+
+    @property
+    def parts(self) -> frozenset[str]:
+        """The parts of the last estimate, such as "position" and "yaw"."""
+        return frozenset() if self._last is None else self._last.parts
+
+    @property
+    def quality(self) -> int:
+        """The quality of the last estimate in percent."""
+        return 0 if self._last is None else self._last.quality
 
     def rate(self, now: float) -> float:
         """Return the estimates per second of the last seconds."""
