@@ -19,7 +19,6 @@ from mavstack.services.external.frames import (
     FULL,
     TRIANGLE,
     Frame,
-    canonical,
     covariance_to_mavlink,
     nan_triangle,
     orientation_to_mavlink,
@@ -74,16 +73,19 @@ class PoseEstimate:
             raise InvalidArgumentError(f"a body frame is FRD, FLU or RDF, got {self.body_frame}")
         if self.position is None and self.orientation is None and self.velocity is None:
             raise InvalidArgumentError("an estimate needs a position, an orientation or a velocity")
-        for name, size in _SIZES:
-            if (numbers := getattr(self, name)) is not None:
-                _check_numbers(name, numbers, size)
+        self._check_vectors()
         for name in ("pose_covariance", "velocity_covariance"):
             if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
                 raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
-        if self.orientation is not None and not 0 < hypot(*self.orientation) < inf:
-            raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
         if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
             raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
+
+    def _check_vectors(self) -> None:
+        for name, size in _SIZES:
+            if (numbers := getattr(self, name)) is not None:
+                _check_numbers(name, numbers, size)
+        if self.orientation is not None and not 0 < hypot(*self.orientation) < inf:
+            raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
 
     @property
     def parts(self) -> frozenset[str]:
