@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects.codec import decode_table
-from mavstack.dialects.merging import merge_definitions, merge_enums, renumbered
+from mavstack.dialects.merging import merge_enums, renumbered
 from mavstack.dialects.tables import load_table, official_names
 from mavstack.dialects.xml_definitions import parse_definition
 from mavstack.dialects.xml_reader import read_bytes
@@ -233,8 +233,3 @@ def with_automatic_values(definition: DialectDefinition, highest: Mapping[str, i
     """Return a definition whose entries without a value follow the highest values of the included files."""
     enums = tuple(renumbered(enum, highest.get(enum.name, 0)) for enum in definition.enums)
     return definition._replace(enums=enums)
-
-
-def merged_definition(source: DefinitionFile) -> DialectDefinition:
-    """Return one definition with the messages and enums of a file and its includes."""
-    return merge_definitions([item.definition for item in included_first(source)])

@@ -63,11 +63,6 @@ _REGISTRY: Final[Registry[LogFormat]] = Registry(
 )
 
 
-def format_names() -> tuple[str, ...]:
-    """Return the names of all formats, those of other packages included."""
-    return _REGISTRY.names()
-
-
 def log_format(name: str) -> LogFormat:
     """Return the format of a name.
 

@@ -105,9 +105,8 @@ def log(fields: Fields, time: Any) -> Any:
     return messages.Log(timestamp=time, level=level, message=fields["text"], name="vehicle")
 
 
-def plan(fields: Fields, time: Any) -> Any:
+def plan(fields: Fields, _time: Any) -> Any:
     """Return foxglove.GeoJSON for mavros_msgs/WaypointList: its way as a line, and its items as points."""
-    del time
     places = [
         (number, item["y_long"], item["x_lat"])
         for number, item in enumerate(fields["waypoints"])

@@ -123,9 +123,8 @@ class FoxgloveSink:
 
     # Endpoints
 
-    def add_node(self, namespace: str, name: str) -> None:
+    def add_node(self, namespace: str, _name: str) -> None:
         """Remember the namespace of the topics that follow."""
-        del name
         self._namespace = namespace
 
     def add_topic(self, topic: Topic) -> None:
@@ -233,12 +232,10 @@ class _Listener:
         self._sink = sink
         self._advertised: dict[tuple[int, int], tuple[str, str]] = {}
 
-    def on_subscribe(self, client: Any, channel: Any) -> None:
-        del client
+    def on_subscribe(self, _client: Any, channel: Any) -> None:
         self._sink.hand_over(partial(self._sink.subscribe, channel.id))
 
-    def on_unsubscribe(self, client: Any, channel: Any) -> None:
-        del client
+    def on_unsubscribe(self, _client: Any, channel: Any) -> None:
         self._sink.hand_over(partial(self._sink.unsubscribe, channel.id))
 
     def on_client_advertise(self, client: Any, channel: Any) -> None:
@@ -255,20 +252,18 @@ class _Listener:
 
     def on_get_parameters(
         self,
-        client: Any,
+        _client: Any,
         param_names: list[str],
-        request_id: str | None = None,
+        _request_id: str | None = None,
     ) -> list[Any]:
-        del client, request_id
         return parameters_of(self._sink.known_values(param_names))
 
     def on_set_parameters(
         self,
-        client: Any,
+        _client: Any,
         parameters: list[Any],
-        request_id: str | None = None,
+        _request_id: str | None = None,
     ) -> list[Any]:
-        del client, request_id
         for each in parameters:
             self._sink.hand_over(partial(self._sink.write_parameter, each.name, each.get_value()))
         return parameters_of(self._sink.known_values([each.name for each in parameters]))

@@ -250,8 +250,7 @@ class Session:
 
     # Callbacks in the thread of the library
 
-    def _on_connect(self, client: Any, data: Any, flags: Any, reason: Any, properties: Any) -> None:  # noqa: ANN401
-        del data, flags, properties
+    def _on_connect(self, client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:  # noqa: ANN401
         if reason.is_failure:
             self._call(partial(self._report, f"it refuses: {reason}"))
             return
@@ -261,20 +260,17 @@ class Session:
             client.subscribe(topic, options=options)
         self._call(self._go_online)
 
-    def _on_connect_fail(self, client: Any, data: Any) -> None:  # noqa: ANN401
-        del client, data
+    def _on_connect_fail(self, _client: Any, _data: Any) -> None:  # noqa: ANN401
         self._call(partial(self._report, "nothing accepts connections there"))
 
-    def _on_disconnect(self, client: Any, data: Any, flags: Any, reason: Any, properties: Any) -> None:  # noqa: ANN401
-        del client, data, flags, properties
+    def _on_disconnect(self, _client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:  # noqa: ANN401
         self._call(partial(self._go_offline, str(reason)))
 
     def _on_publish(self, *arguments: object) -> None:
         del arguments
         self._under_way = max(self._under_way - 1, 0)
 
-    def _on_message(self, client: Any, data: Any, message: Any) -> None:  # noqa: ANN401
-        del client, data
+    def _on_message(self, _client: Any, _data: Any, message: Any) -> None:  # noqa: ANN401
         properties = message.properties
         try:
             topic = message.topic

@@ -128,65 +128,10 @@ def _is_finite(value: float) -> bool:
 # The verbs
 
 
-async def _arm(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.arm(**given)
-
-
-async def _disarm(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.disarm(**given)
-
-
-async def _set_mode(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.set_mode(given["mode"])
-
-
-async def _takeoff(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.takeoff(**given)
-
-
-async def _land(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.land(**given)
-
-
-async def _return(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.rtl(**given)
-
-
-async def _hold(vehicle: Vehicle, given: Fields) -> None:
-    del given
-    await vehicle.hold()
-
-
-async def _goto(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.goto(**given)
-
-
-async def _set_speed(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.set_speed(given["speed"])
-
-
 async def _upload_mission(vehicle: Vehicle, given: Fields) -> Fields:
     home_first = vehicle.component.mission.home_first
     plan = parse_plan(json.dumps(given["plan"])).for_vehicle(PlanType.MISSION, home_first=home_first)
     return {"items": len(await vehicle.mission.upload(plan))}
-
-
-async def _start_mission(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.mission.start(**given)
-
-
-async def _pause_mission(vehicle: Vehicle, given: Fields) -> None:
-    del given
-    await vehicle.mission.pause()
-
-
-async def _clear_mission(vehicle: Vehicle, given: Fields) -> None:
-    del given
-    await vehicle.mission.clear()
-
-
-async def _select_item(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.mission.set_current(int(given["item"]))
 
 
 async def _get_parameter(vehicle: Vehicle, given: Fields) -> Fields:
@@ -202,37 +147,56 @@ def _value_of(parameter: Parameter) -> Fields:
     return {"name": parameter.name, "value": plain(parameter.value)}
 
 
-async def _reboot(vehicle: Vehicle, given: Fields) -> None:
-    await vehicle.reboot(**given)
-
-
 _WAIT: Final = {"wait": _FLAG}
 _PLACE: Final = {"latitude": _NUMBER, "longitude": _NUMBER}
 #: The commands by name.
 VERBS: Final[Mapping[str, Verb]] = {
-    "arm": Verb(_arm, optional={"force": _FLAG}, meaning="arm the motors"),
-    "disarm": Verb(_disarm, optional={"force": _FLAG}, meaning="disarm the motors"),
-    "mode": Verb(_set_mode, needed={"mode": _TEXT}, meaning="change the flight mode"),
-    "takeoff": Verb(
-        _takeoff, needed={"altitude": _NUMBER}, optional=_WAIT, meaning="take off, metres above home"
+    "arm": Verb(
+        lambda vehicle, given: vehicle.arm(**given), optional={"force": _FLAG}, meaning="arm the motors"
     ),
-    "land": Verb(_land, optional=_WAIT, meaning="land"),
-    "rtl": Verb(_return, optional=_WAIT, meaning="return to home"),
-    "hold": Verb(_hold, meaning="hold the position"),
+    "disarm": Verb(
+        lambda vehicle, given: vehicle.disarm(**given), optional={"force": _FLAG}, meaning="disarm the motors"
+    ),
+    "mode": Verb(
+        lambda vehicle, given: vehicle.set_mode(given["mode"]),
+        needed={"mode": _TEXT},
+        meaning="change the flight mode",
+    ),
+    "takeoff": Verb(
+        lambda vehicle, given: vehicle.takeoff(**given),
+        needed={"altitude": _NUMBER},
+        optional=_WAIT,
+        meaning="take off, metres above home",
+    ),
+    "land": Verb(lambda vehicle, given: vehicle.land(**given), optional=_WAIT, meaning="land"),
+    "rtl": Verb(lambda vehicle, given: vehicle.rtl(**given), optional=_WAIT, meaning="return to home"),
+    "hold": Verb(lambda vehicle, _: vehicle.hold(), meaning="hold the position"),
     "goto": Verb(
-        _goto,
+        lambda vehicle, given: vehicle.goto(**given),
         needed=_PLACE,
         optional={"altitude": _NUMBER, "yaw": _NUMBER, **_WAIT},
         meaning="fly to degrees, metres above home, yaw in degrees from north",
     ),
-    "speed": Verb(_set_speed, needed={"speed": _NUMBER}, meaning="change the ground speed, m/s"),
+    "speed": Verb(
+        lambda vehicle, given: vehicle.set_speed(given["speed"]),
+        needed={"speed": _NUMBER},
+        meaning="change the ground speed, m/s",
+    ),
     "mission_upload": Verb(
         _upload_mission, needed={"plan": _OBJECT}, meaning="replace the mission by a plan of QGroundControl"
     ),
-    "mission_start": Verb(_start_mission, optional={"arm": _FLAG}, meaning="start the mission"),
-    "mission_pause": Verb(_pause_mission, meaning="pause the mission"),
-    "mission_clear": Verb(_clear_mission, meaning="remove the mission"),
-    "mission_item": Verb(_select_item, needed={"item": _NUMBER}, meaning="continue with an item"),
+    "mission_start": Verb(
+        lambda vehicle, given: vehicle.mission.start(**given),
+        optional={"arm": _FLAG},
+        meaning="start the mission",
+    ),
+    "mission_pause": Verb(lambda vehicle, _: vehicle.mission.pause(), meaning="pause the mission"),
+    "mission_clear": Verb(lambda vehicle, _: vehicle.mission.clear(), meaning="remove the mission"),
+    "mission_item": Verb(
+        lambda vehicle, given: vehicle.mission.set_current(int(given["item"])),
+        needed={"item": _NUMBER},
+        meaning="continue with an item",
+    ),
     "param_get": Verb(_get_parameter, Role.OBSERVE, needed={"name": _TEXT}, meaning="read a parameter"),
     "param_set": Verb(
         _set_parameter,
@@ -240,5 +204,10 @@ VERBS: Final[Mapping[str, Verb]] = {
         needed={"name": _TEXT, "value": _NUMBER},
         meaning="write a parameter",
     ),
-    "reboot": Verb(_reboot, Role.ADMINISTER, optional=_WAIT, meaning="reboot the autopilot"),
+    "reboot": Verb(
+        lambda vehicle, given: vehicle.reboot(**given),
+        Role.ADMINISTER,
+        optional=_WAIT,
+        meaning="reboot the autopilot",
+    ),
 }

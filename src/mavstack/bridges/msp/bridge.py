@@ -361,9 +361,8 @@ class MspBridge(AsyncResource):
             return None
         return common.SystemTime(time_boot_ms=int((now - self._samples.booted_at) * 1000) & 0xFFFFFFFF)
 
-    def _version(self, now: float) -> common.AutopilotVersion | None:
+    def _version(self, _now: float) -> common.AutopilotVersion | None:
         """Return AUTOPILOT_VERSION; `now` is that of a producer."""
-        del now
         return None if self._facts is None else self._facts.version().to_message()
 
     # Sticks

@@ -147,22 +147,6 @@ class MspConnection:
             reason = "nothing is connected" if self._failure == "it is not open" else self._failure
             raise LinkError(f"cannot open {self.name}: {reason}")
 
-    async def wait_until_down(self, timeout: float) -> bool:  # noqa: ASYNC109 (for its result)
-        """Wait until the link is down.
-
-        Args:
-            timeout: Seconds to wait.
-
-        Returns:
-            True if the link went down.
-        """
-        with suppress(TimeoutError):
-            async with asyncio.timeout(timeout):
-                while self._channel is not None:
-                    self._changed.clear()
-                    await self._changed.wait()
-        return self._channel is None
-
     async def request(
         self,
         command: int,

@@ -142,8 +142,7 @@ class BridgedMissions:
 
     # Uploads
 
-    def _check(self, plan_type: int, seq: int, item: MissionItem) -> int:
-        del plan_type, seq, item
+    def _check(self, _plan_type: int, _seq: int, _item: MissionItem) -> int:
         return _RESULT.ACCEPTED  # items depend on each other: `_validate` checks the plan
 
     def _validate(self, plan: Plan, source: Address) -> int:

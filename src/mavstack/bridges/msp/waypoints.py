@@ -130,9 +130,8 @@ class _Encoder:
         """Convert DO_SET_ROI_LOCATION."""
         return self._located(seq, item, WaypointAction.SET_POI)
 
-    def return_home(self, seq: int, item: MissionItem) -> SetWp:
+    def return_home(self, _seq: int, _item: MissionItem) -> SetWp:
         """Convert NAV_RETURN_TO_LAUNCH."""
-        del seq, item
         return _waypoint(WaypointAction.RTH, p1=1)
 
     def heading(self, seq: int, item: MissionItem) -> SetWp:
@@ -142,9 +141,8 @@ class _Encoder:
         degrees = _integer(seq, item.param1, _RESULT.INVALID_PARAM1)
         return _waypoint(WaypointAction.SET_HEADING, p1=degrees % 360)
 
-    def no_heading(self, seq: int, item: MissionItem) -> SetWp:
+    def no_heading(self, _seq: int, _item: MissionItem) -> SetWp:
         """Convert DO_SET_ROI_NONE."""
-        del seq, item
         return _waypoint(WaypointAction.SET_HEADING, p1=-1)
 
     def jump(self, seq: int, item: MissionItem) -> SetWp:

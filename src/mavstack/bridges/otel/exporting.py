@@ -144,8 +144,7 @@ class Readings:
     def _observer(self, name: str) -> Callable[[object], Iterator[Any]]:
         observation = _library("opentelemetry.metrics").Observation
 
-        def observe(options: object) -> Iterator[Any]:
-            del options
+        def observe(_options: object) -> Iterator[Any]:
             for sample in self._samples.get(name, ()):
                 yield observation(sample.value, sample.labels)
 

@@ -186,8 +186,7 @@ class _TopicWriter:
             else:
                 self._topic.remove_receiver(self._receive)
 
-    def _receive(self, payload: bytes, stamp: int) -> None:
-        del stamp
+    def _receive(self, payload: bytes, _stamp: int) -> None:
         self._outbox.put((self._writer, _sample(self._topic.type, payload)))
 
 

@@ -238,6 +238,5 @@ class _TopicPublisher:
             else:
                 self._topic.remove_receiver(self._receive)
 
-    def _receive(self, payload: bytes, stamp: int) -> None:
-        del stamp
+    def _receive(self, payload: bytes, _stamp: int) -> None:
         self._outbox.put((self._publisher, payload))

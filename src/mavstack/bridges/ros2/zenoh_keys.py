@@ -15,13 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from hashlib import blake2b
 from struct import Struct, error
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from mavstack.bridges.core.qos import Qos
 from mavstack.bridges.core.types import definition_of, type_hash
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVER, CLIENT = "NN", "MP", "MS", "SS", "SC"
 ROOT: Final = "@ros2_lv"
@@ -158,8 +155,3 @@ def _mangled(name: str) -> str:
 
 def _unmangled(text: str) -> str:
     return text.replace("%", "/")
-
-
-def tokens_of(keys: Sequence[str]) -> list[GraphEntity]:
-    """Return the nodes and endpoints that tokens announce."""
-    return [found for key in keys if (found := parse_token(key)) is not None]

@@ -204,11 +204,6 @@ class ZenohSink:
         return [entity for key in keys if (entity := parse_token(key)) is not None]
 
     @property
-    def session_id(self) -> str:
-        """The id of the session in tokens."""
-        return self._session_id
-
-    @property
     def dropped(self) -> int:
         """The number of samples and requests that were dropped on their way into the event loop."""
         return self._samples.dropped + self._requests.dropped

@@ -45,9 +45,8 @@ SCHEMES: Final = MappingProxyType(
 class MqttChannel(Channel):
     """The broker."""
 
-    def send_bytes(self, data: Data) -> bool:
+    def send_bytes(self, _data: Data) -> bool:
         """Send nothing: the link only receives."""
-        del data
         return False
 
     def close_transport(self) -> None:

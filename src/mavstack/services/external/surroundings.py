@@ -6,7 +6,7 @@ that nothing is known about it. The first of the 72 sectors looks forward, the o
 
 from __future__ import annotations
 
-from math import degrees, inf, isnan, pi, tau
+from math import inf, isnan, tau
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -127,11 +127,6 @@ def distance_message(
         covariance=UNKNOWN & 0xFF,
         signal_quality=100 if in_range else 1,
     )
-
-
-def direction_of(angle: float) -> float:
-    """Return an angle of ROS (radians, counter-clockwise) as degrees clockwise from forward, 0 to 360."""
-    return degrees(-angle % (2 * pi)) % _CIRCLE
 
 
 def _range(low: float, high: float) -> tuple[int, int]:

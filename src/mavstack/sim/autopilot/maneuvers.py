@@ -215,10 +215,6 @@ class WingManeuvers(Maneuvers):
         """Return whether the altitude is within the error of a wing in turns."""
         return abs(self.place[2] - down) <= _WING_ALTITUDE_REACHED
 
-    def spiral(self, centre: Point, down: float) -> None:
-        """Circle up or down to an altitude."""
-        self.circle((centre[0], centre[1], down), self.autopilot.flight_parameters.loiter_radius)
-
 
 class VtolManeuvers(WingManeuvers):
     """Maneuvers of a VTOL, by its current flight mode."""

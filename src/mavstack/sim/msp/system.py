@@ -22,7 +22,7 @@ from mavstack.sim.msp.receiver import Receiver, letters_of
 from mavstack.sim.msp.settings import SettingFacts, SettingStore
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
     from mavstack.msp.firmware_info import FirmwareInfo
     from mavstack.msp.messages.base import MspMessage
@@ -271,8 +271,3 @@ class System(ABC):
             return b""
 
         return run
-
-
-def pairs_of(messages: Sequence[type[MspMessage]], prefix: str) -> dict[str, type[MspMessage]]:
-    """Return messages by their names without a prefix such as "MSP_SET_"."""
-    return {kind.NAME.removeprefix(prefix): kind for kind in messages if kind.NAME.startswith(prefix)}

@@ -15,33 +15,28 @@ if TYPE_CHECKING:
 _DEBUG, _VECTOR, _ARRAY, _FLOAT, _INT = range(5)
 
 
-def debug(message: Any, view: VehicleView) -> Values:
+def debug(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/DebugValue of DEBUG."""
-    del view
     return message.ind, -1, "", message.value, 0, (), _DEBUG
 
 
-def debug_vector(message: Any, view: VehicleView) -> Values:
+def debug_vector(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/DebugValue of DEBUG_VECT."""
-    del view
     return -1, -1, message.name, 0.0, 0, (message.x, message.y, message.z), _VECTOR
 
 
-def debug_array(message: Any, view: VehicleView) -> Values:
+def debug_array(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/DebugValue of DEBUG_FLOAT_ARRAY."""
-    del view
     return -1, message.array_id, message.name, 0.0, 0, tuple(message.data), _ARRAY
 
 
-def named_float(message: Any, view: VehicleView) -> Values:
+def named_float(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/DebugValue of NAMED_VALUE_FLOAT."""
-    del view
     return -1, -1, message.name, message.value, 0, (), _FLOAT
 
 
-def named_int(message: Any, view: VehicleView) -> Values:
+def named_int(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/DebugValue of NAMED_VALUE_INT."""
-    del view
     return -1, -1, message.name, 0.0, message.value, (), _INT
 
 

@@ -26,16 +26,14 @@ _ESC_GROUPS: Final = (ardupilotmega.EscTelemetry1To4, ardupilotmega.EscTelemetry
 _UNKNOWN_16: Final = 0xFFFF
 
 
-def rc_in(message: Any, view: VehicleView) -> Values:
+def rc_in(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/RCIn in microseconds."""
-    del view
     count = min(message.chancount, 18)
     return message.rssi, tuple(getattr(message, f"chan{number}_raw") for number in range(1, count + 1))
 
 
-def rc_out(message: Any, view: VehicleView) -> Values | None:
+def rc_out(message: Any, _view: VehicleView) -> Values | None:
     """Return mavros_msgs/RCOut in microseconds, of the first port."""
-    del view
     if message.port:
         return None
     return (tuple(getattr(message, f"servo{number}_raw") for number in range(1, 17)),)
@@ -87,9 +85,8 @@ def esc_status(message: Any, view: VehicleView) -> Values:
     )
 
 
-def adsb(message: Any, view: VehicleView) -> Values:
+def adsb(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/ADSBVehicle."""
-    del view
     return (
         message.ICAO_address,
         message.callsign,
@@ -107,9 +104,8 @@ def adsb(message: Any, view: VehicleView) -> Values:
     )
 
 
-def image_captured(message: Any, view: VehicleView) -> Values:
+def image_captured(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/CameraImageCaptured."""
-    del view
     latitude, longitude = message.lat / 1e7, message.lon / 1e7
     return (
         *to_ros_attitude(*message.q),
@@ -127,68 +123,58 @@ def camera_trigger(message: Any, view: VehicleView) -> Values:
     return seconds, nanoseconds, message.seq & 0x7FFFFFFF
 
 
-def gimbal_attitude(message: Any, view: VehicleView) -> Values:
+def gimbal_attitude(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/GimbalDeviceAttitudeStatus; the quaternion is not converted, as in MAVROS."""
-    del view
     w, x, y, z = message.q
     rates = message.angular_velocity_x, message.angular_velocity_y, message.angular_velocity_z
     target = message.target_system, message.target_component, message.flags
     return *target, x, y, z, w, *rates, message.failure_flags
 
 
-def mount_orientation(message: Any, view: VehicleView) -> Values:
+def mount_orientation(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/Quaternion of a mount, FLU in ENU."""
-    del view
     angles = (radians(message.roll), radians(message.pitch), radians(message.yaw_absolute))
     return to_ros_attitude(*from_euler(*angles))
 
 
-def mount_status(message: Any, view: VehicleView) -> Values:
+def mount_status(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/Vector3Stamped: roll, pitch and yaw of a mount in degrees."""
-    del view
     return message.pointing_b / 100, message.pointing_a / 100, message.pointing_c / 100
 
 
-def landing_target(message: Any, view: VehicleView) -> Values:
+def landing_target(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/PoseStamped of a landing target in the map frame."""
-    del view
     return *ned_enu(message.x, message.y, message.z), *to_ros_attitude(*message.q)
 
 
-def landing_marker(message: Any, view: VehicleView) -> Values:
+def landing_marker(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/Vector3Stamped: where a landing target is, in FLU from the camera."""
-    del view
     return frd_flu(message.x, message.y, message.z)
 
 
-def tunnel(message: Any, view: VehicleView) -> Values:
+def tunnel(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/Tunnel."""
-    del view
     target = message.target_system, message.target_component
     return *target, message.payload_type, message.payload_length, *message.payload
 
 
-def actuator_controls(message: Any, view: VehicleView) -> Values:
+def actuator_controls(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/ActuatorControl."""
-    del view
     return message.group_mlx, *message.controls
 
 
-def hil_actuators(message: Any, view: VehicleView) -> Values:
+def hil_actuators(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/HilActuatorControls."""
-    del view
     return *message.controls, message.mode, message.flags
 
 
-def calibration_status(message: Any, view: VehicleView) -> Values:
+def calibration_status(message: Any, _view: VehicleView) -> Values:
     """Return std_msgs/UInt8: the percentage of a calibration of the magnetometer."""
-    del view
     return (message.completion_pct,)
 
 
-def calibration_report(message: Any, view: VehicleView) -> Values:
+def calibration_report(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/MagnetometerReporter."""
-    del view
     values = (
         "cal_mask cal_status autosaved fitness ofs_x ofs_y ofs_z diag_x diag_y diag_z offdiag_x offdiag_y "
         "offdiag_z orientation_confidence old_orientation new_orientation scale_factor"
@@ -196,15 +182,13 @@ def calibration_report(message: Any, view: VehicleView) -> Values:
     return 1, 100.0, message.compass_id, *(getattr(message, name) for name in values.split())
 
 
-def log_entry(message: Any, view: VehicleView) -> Values:
+def log_entry(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/LogEntry."""
-    del view
     return message.id, message.num_logs, message.last_log_num, message.time_utc, 0, message.size
 
 
-def log_data(message: Any, view: VehicleView) -> Values:
+def log_data(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/LogData."""
-    del view
     return message.id, message.ofs, bytes(message.data[: message.count])
 
 

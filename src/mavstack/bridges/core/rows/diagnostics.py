@@ -18,9 +18,8 @@ _SENSOR: Final = common.MavSysStatusSensor
 Status = tuple[int, str, str, str, tuple[tuple[str, str], ...]]
 
 
-def diagnostics(message: Any, view: VehicleView) -> Values:
+def diagnostics(_message: Any, view: VehicleView) -> Values:
     """Return diagnostic_msgs/DiagnosticArray."""
-    del message
     found = (_connection(view), _gnss(view), _battery(view), _system(view), _time(view), _board(view))
     return (tuple(status for status in found if status is not None),)
 

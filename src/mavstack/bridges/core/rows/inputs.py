@@ -78,9 +78,8 @@ def _attitude(fields: Fields) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
-def adsb(fields: Fields, inbound: Inbound) -> tuple[Message]:
+def adsb(fields: Fields, _inbound: Inbound) -> tuple[Message]:
     """Return ADSB_VEHICLE from mavros_msgs/ADSBVehicle."""
-    del inbound
     lat, lon = location(fields["latitude"], fields["longitude"])
     finite(fields["altitude"], fields["heading"], fields["hor_velocity"], fields["ver_velocity"])
     return (
@@ -115,9 +114,8 @@ def actuator_controls(fields: Fields, inbound: Inbound) -> tuple[Message]:
     )
 
 
-def tunnel(fields: Fields, inbound: Inbound) -> tuple[Message]:
+def tunnel(fields: Fields, _inbound: Inbound) -> tuple[Message]:
     """Return TUNNEL from mavros_msgs/Tunnel."""
-    del inbound
     return (common.Tunnel(**{**fields, "payload": bytes(fields["payload"])}),)
 
 
@@ -147,9 +145,8 @@ def _copied(
     return receive
 
 
-def companion(fields: Fields, inbound: Inbound) -> tuple[Message]:
+def companion(fields: Fields, _inbound: Inbound) -> tuple[Message]:
     """Return a HEARTBEAT from mavros_msgs/CompanionProcessStatus."""
-    del inbound
     return (
         common.Heartbeat(
             type=common.MavType.ONBOARD_CONTROLLER,
@@ -163,8 +160,7 @@ def companion(fields: Fields, inbound: Inbound) -> tuple[Message]:
 def gimbal_attitude(make: type[Message]) -> Callable[[Fields, Inbound], tuple[Message]]:
     """Return a receiver for GIMBAL_…_SET_ATTITUDE; the quaternion has the axes of MAVLink."""
 
-    def receive(fields: Fields, inbound: Inbound) -> tuple[Message]:
-        del inbound
+    def receive(fields: Fields, _inbound: Inbound) -> tuple[Message]:
         x, y, z, w = quaternion(fields["q"])
         return (make(**{**fields, "q": (w, x, y, z)}),)
 

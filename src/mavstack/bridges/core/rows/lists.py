@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from mavstack.bridges.core.view import VehicleView
 
 
-def item_reached(message: Any, view: VehicleView) -> Values:
+def item_reached(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/WaypointReached."""
-    del view
     return (message.seq,)
 
 

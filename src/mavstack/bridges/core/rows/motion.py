@@ -161,9 +161,8 @@ def velocity_covariance(message: Any, view: VehicleView) -> Values:
     return *velocity_body(message, view), *_covariances(message)[1]
 
 
-def acceleration_covariance(message: Any, view: VehicleView) -> Values:
+def acceleration_covariance(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/AccelWithCovarianceStamped."""
-    del view
     known = message.covariance
     linear = ned_enu(message.ax, message.ay, message.az)
     return *linear, 0.0, 0.0, 0.0, *_on_diagonal(known[42], known[39], known[44])
@@ -215,9 +214,8 @@ def _square(triangle: Values, *, enu: bool) -> Values:
 _BODY_AXES: Final = ((0, 1), (1, -1), (2, -1), (3, 1), (4, -1), (5, -1))
 
 
-def wind(message: Any, view: VehicleView) -> Values:
+def wind(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/TwistWithCovarianceStamped: where the wind blows to."""
-    del view
     if isinstance(message, ardupilotmega.Wind):
         course = radians(message.direction + 180.0)
         linear = (message.speed * sin(course), message.speed * cos(course), -message.speed_z)
@@ -226,16 +224,14 @@ def wind(message: Any, view: VehicleView) -> Values:
     return *ned_enu(message.wind_x, message.wind_y, message.wind_z), 0.0, 0.0, 0.0, *covariance
 
 
-def vfr_hud(message: Any, view: VehicleView) -> Values:
+def vfr_hud(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/VfrHud, with the throttle from 0 to 1."""
-    del view
     speeds = (message.airspeed, message.groundspeed)
     return *speeds, message.heading, message.throttle / 100, message.alt, message.climb
 
 
-def attitude_target(message: Any, view: VehicleView) -> Values:
+def attitude_target(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/AttitudeTarget."""
-    del view
     rates = frd_flu(message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate)
     return message.type_mask, *to_ros_attitude(*message.q), *rates, message.thrust
 

@@ -52,18 +52,16 @@ def _fix_covariance(message: Any, view: VehicleView) -> Values:
     return horizontal, 0.0, 0.0, 0.0, horizontal, 0.0, 0.0, 0.0, vertical, _APPROXIMATED
 
 
-def raw_velocity(message: Any, view: VehicleView) -> Values | None:
+def raw_velocity(message: Any, _view: VehicleView) -> Values | None:
     """Return geometry_msgs/TwistStamped of a receiver's speed and course."""
-    del view
     if _UNKNOWN_16 in (message.vel, message.cog):
         return None
     speed, course = message.vel / 100, radians(message.cog / 100)
     return speed * sin(course), speed * cos(course), 0.0, 0.0, 0.0, 0.0
 
 
-def satellites(message: Any, view: VehicleView) -> Values:
+def satellites(message: Any, _view: VehicleView) -> Values:
     """Return std_msgs/UInt32."""
-    del view
     return (message.satellites_visible,)
 
 
@@ -79,15 +77,13 @@ def global_fix(message: Any, view: VehicleView) -> Values:
     return (*_fix_status(receiver), latitude, longitude, height, *covariance)
 
 
-def relative_altitude(message: Any, view: VehicleView) -> Values:
+def relative_altitude(message: Any, _view: VehicleView) -> Values:
     """Return std_msgs/Float64 in metres above home."""
-    del view
     return (message.relative_alt / 1e3,)
 
 
-def heading(message: Any, view: VehicleView) -> Values:
+def heading(message: Any, _view: VehicleView) -> Values:
     """Return std_msgs/Float64 in degrees."""
-    del view
     return (nan if message.hdg == _UNKNOWN_16 else message.hdg / 100,)
 
 
@@ -114,9 +110,8 @@ def global_odometry(message: Any, view: VehicleView) -> Values:
     )
 
 
-def origin(message: Any, view: VehicleView) -> Values:
+def origin(message: Any, _view: VehicleView) -> Values:
     """Return geographic_msgs/GeoPointStamped, with the height above the ellipsoid."""
-    del view
     return _geo_point(message)
 
 
@@ -125,9 +120,8 @@ def _geo_point(message: Any) -> tuple[float, float, float]:
     return latitude, longitude, to_ellipsoid(latitude, longitude, message.altitude / 1e3)
 
 
-def home(message: Any, view: VehicleView) -> Values:
+def home(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/HomePosition."""
-    del view
     return (
         *_geo_point(message),
         *ned_enu(message.x, message.y, message.z),
@@ -136,9 +130,8 @@ def home(message: Any, view: VehicleView) -> Values:
     )
 
 
-def local_target(message: Any, view: VehicleView) -> Values:
+def local_target(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/PositionTarget."""
-    del view
     return (
         message.coordinate_frame,
         message.type_mask,
@@ -150,9 +143,8 @@ def local_target(message: Any, view: VehicleView) -> Values:
     )
 
 
-def global_target(message: Any, view: VehicleView) -> Values:
+def global_target(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/GlobalPositionTarget."""
-    del view
     return (
         message.coordinate_frame,
         message.type_mask,

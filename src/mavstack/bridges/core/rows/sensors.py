@@ -35,23 +35,20 @@ def differential_pressure(message: Any, view: VehicleView) -> Values | None:
     return message.diff_pressure * _HECTOPASCAL, 0.0
 
 
-def imu_temperature(message: Any, view: VehicleView) -> Values | None:
+def imu_temperature(message: Any, _view: VehicleView) -> Values | None:
     """Return sensor_msgs/Temperature in °C."""
-    del view
     if isinstance(message, common.HighresImu):
         return message.temperature, 0.0
     return (message.temperature / 100, 0.0) if message.temperature else None  # 0: not known
 
 
-def baro_temperature(message: Any, view: VehicleView) -> Values:
+def baro_temperature(message: Any, _view: VehicleView) -> Values:
     """Return sensor_msgs/Temperature in °C."""
-    del view
     return message.temperature / 100, 0.0
 
 
-def range_of(message: Any, view: VehicleView) -> Values:
+def range_of(message: Any, _view: VehicleView) -> Values:
     """Return sensor_msgs/Range of a distance sensor, in metres."""
-    del view
     if isinstance(message, ardupilotmega.Rangefinder):
         return _INFRARED, _DEFAULT_FIELD_OF_VIEW, 0.0, 1000.0, message.distance, 0.0
     kind = _ULTRASOUND if message.type == _MAV_ULTRASOUND else _INFRARED
@@ -61,9 +58,8 @@ def range_of(message: Any, view: VehicleView) -> Values:
     return kind, view_angle, low, high, message.current_distance / 100, variance
 
 
-def flow(message: Any, view: VehicleView) -> Values:
+def flow(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/OpticalFlow."""
-    del view
     return (
         *frd_flu(message.flow_x, message.flow_y, 0.0),
         *frd_flu(message.flow_comp_m_x, message.flow_comp_m_y, 0.0),
@@ -73,16 +69,14 @@ def flow(message: Any, view: VehicleView) -> Values:
     )
 
 
-def flow_distance(message: Any, view: VehicleView) -> Values:
+def flow_distance(message: Any, _view: VehicleView) -> Values:
     """Return sensor_msgs/Range of the sonar at a flow sensor."""
-    del view
     distance = message.distance if isinstance(message, common.OpticalFlowRad) else message.ground_distance
     return _ULTRASOUND, 0.0, 0.3, 5.0, distance, 0.0
 
 
-def flow_rad(message: Any, view: VehicleView) -> Values:
+def flow_rad(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/OpticalFlowRad."""
-    del view
     x, y, _ = frd_flu(message.integrated_x, message.integrated_y, 0.0)
     gyro = frd_flu(message.integrated_xgyro, message.integrated_ygyro, message.integrated_zgyro)
     return (
@@ -91,28 +85,24 @@ def flow_rad(message: Any, view: VehicleView) -> Values:
     )
 
 
-def flow_temperature(message: Any, view: VehicleView) -> Values:
+def flow_temperature(message: Any, _view: VehicleView) -> Values:
     """Return sensor_msgs/Temperature in °C."""
-    del view
     return message.temperature / 100, 0.0
 
 
-def vibration(message: Any, view: VehicleView) -> Values:
+def vibration(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/Vibration."""
-    del view
     levels = message.vibration_x, message.vibration_y, message.vibration_z
     return *levels, message.clipping_0, message.clipping_1, message.clipping_2
 
 
-def wheel_rpm(message: Any, view: VehicleView) -> Values:
+def wheel_rpm(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/WheelOdomStamped in revolutions per minute."""
-    del view
     return ((message.rpm1, message.rpm2),)
 
 
-def wheel_distance(message: Any, view: VehicleView) -> Values:
+def wheel_distance(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/WheelOdomStamped in metres."""
-    del view
     return (tuple(message.distance[: message.count]),)
 
 
@@ -171,9 +161,8 @@ _BASELINE: Final = [
 ]
 
 
-def terrain(message: Any, view: VehicleView) -> Values:
+def terrain(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/TerrainReport."""
-    del view
     heights = message.terrain_height, message.current_height
     return message.lat / 1e7, message.lon / 1e7, message.spacing, *heights, message.pending, message.loaded
 

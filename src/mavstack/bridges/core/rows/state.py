@@ -65,9 +65,8 @@ def _battery(voltage: float, temperature: float, message: Any, kind: int, cells:
     return (voltage, temperature, current, nan, nan, nan, left, *supply, cells, (), location, "")
 
 
-def estimator(message: Any, view: VehicleView) -> Values:
+def estimator(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/EstimatorStatus; the flags of EKF_STATUS_REPORT are those of ESTIMATOR_STATUS."""
-    del view
     flags = int(message.flags)
     if isinstance(message, ardupilotmega.EkfStatusReport):
         # EKF_STATUS_REPORT differs from ESTIMATOR_STATUS from bit 10 on: ArduPilot has UNINITIALIZED there,
@@ -76,9 +75,8 @@ def estimator(message: Any, view: VehicleView) -> Values:
     return tuple(bool(flags >> bit & 1) for bit in _ESTIMATOR_BITS)
 
 
-def radio(message: Any, view: VehicleView) -> Values:
+def radio(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/RadioStatus, with the strengths in dBm as SiK radios count."""
-    del view
     counts = (message.rssi, message.remrssi, message.txbuf, message.noise, message.remnoise)
     return (
         *counts,
@@ -89,18 +87,16 @@ def radio(message: Any, view: VehicleView) -> Values:
     )
 
 
-def time_reference(message: Any, view: VehicleView) -> Values | None:
+def time_reference(message: Any, _view: VehicleView) -> Values | None:
     """Return sensor_msgs/TimeReference; None if the vehicle does not know the time."""
-    del view
     if not _MIN_UNIX <= message.time_unix_usec < _MAX_UNIX:
         return None
     seconds, microseconds = divmod(message.time_unix_usec, 1_000_000)
     return seconds, microseconds * 1000, "fcu"
 
 
-def status_event(message: Any, view: VehicleView) -> Values:
+def status_event(message: Any, _view: VehicleView) -> Values:
     """Return mavros_msgs/StatusEvent."""
-    del view
     return (message.log_levels & 0x0F, message.id & 0xFFFFFF, *message.arguments, message.sequence)
 
 

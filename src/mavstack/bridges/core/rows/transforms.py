@@ -28,9 +28,8 @@ def body_in_map(message: Any, view: VehicleView) -> Values:
     return (((seconds, nanoseconds, frames.map, frames.base_link, *position, *view.attitude()),),)
 
 
-def fixed_axes(message: Any, view: VehicleView) -> Values:
+def fixed_axes(_message: Any, view: VehicleView) -> Values:
     """Return tf2_msgs/TFMessage: the MAVLink axes in the ROS axes."""
-    del message
     seconds, nanoseconds = divmod(view.arrival, 1_000_000_000)
     frames = view.frames
     pairs = (

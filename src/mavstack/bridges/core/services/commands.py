@@ -43,9 +43,8 @@ async def _command(vehicle: Vehicle, command: int, *params: float) -> Fields:
     return {"success": True, "result": int(result.result)}
 
 
-async def arming(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def arming(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Arm or disarm (mavros_msgs/CommandBool)."""
-    del context
     try:
         return await _command(vehicle, _CMD.COMPONENT_ARM_DISARM, float(request["value"]))
     except Exception as error:
@@ -54,15 +53,13 @@ async def arming(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
         raise
 
 
-async def takeoff(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def takeoff(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Take off (mavros_msgs/CommandTOL); a location of 0, 0 is the present one."""
-    del context
     return await _takeoff_or_land(vehicle, _CMD.NAV_TAKEOFF, request)
 
 
-async def land(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def land(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Land (mavros_msgs/CommandTOL); a location of 0, 0 is the present one."""
-    del context
     return await _takeoff_or_land(vehicle, _CMD.NAV_LAND, request)
 
 
@@ -76,25 +73,22 @@ async def _takeoff_or_land(vehicle: Vehicle, command: int, request: Fields) -> F
     return await _command(vehicle, command, *params)
 
 
-async def takeoff_local(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def takeoff_local(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Take off in the local frame (mavros_msgs/CommandTOLLocal), ENU."""
-    del context
     place = request["position"]
     params = (request["min_pitch"], 0.0, request["rate"], request["yaw"], place["y"], place["x"], -place["z"])
     return await _command(vehicle, _CMD.NAV_TAKEOFF_LOCAL, *params)
 
 
-async def land_local(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def land_local(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Land in the local frame (mavros_msgs/CommandTOLLocal), ENU."""
-    del context
     place = request["position"]
     params = (0.0, request["offset"], request["rate"], request["yaw"], place["y"], place["x"], -place["z"])
     return await _command(vehicle, _CMD.NAV_LAND_LOCAL, *params)
 
 
-async def command_long(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def command_long(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Send any command (mavros_msgs/CommandLong)."""
-    del context
     params = [request[f"param{number}"] for number in range(1, 8)]
     if request["broadcast"]:
         values = {f"param{number}": value for number, value in enumerate(params, 1)}
@@ -103,9 +97,8 @@ async def command_long(vehicle: Vehicle, request: Fields, context: Any) -> Field
     return await _command(vehicle, request["command"], *params)
 
 
-async def command_int(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def command_int(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Send any command with a frame (mavros_msgs/CommandInt); x and y are 1e7 degrees or 1e4 metres."""
-    del context
     target = {} if request["broadcast"] else dict(zip(_TARGET, vehicle.address, strict=True))
     values = {name: request[name] for name in ("param1", "param2", "param3", "param4", "x", "y", "z")}
     message = common.CommandInt(
@@ -128,36 +121,31 @@ async def command_int(vehicle: Vehicle, request: Fields, context: Any) -> Fields
 _TARGET: Final = ("target_system", "target_component")
 
 
-async def set_home(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_home(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set home (mavros_msgs/CommandHome)."""
-    del context
     place = (request["yaw"], request["latitude"], request["longitude"], request["altitude"])
     return await _command(vehicle, _CMD.DO_SET_HOME, float(request["current_gps"]), 0.0, 0.0, *place)
 
 
-async def trigger_control(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def trigger_control(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Enable the trigger of cameras (mavros_msgs/CommandTriggerControl)."""
-    del context
     params = (request["trigger_enable"], request["sequence_reset"], request["trigger_pause"])
     return await _command(vehicle, _CMD.DO_TRIGGER_CONTROL, *map(float, params))
 
 
-async def trigger_interval(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def trigger_interval(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set the interval of the trigger (mavros_msgs/CommandTriggerInterval)."""
-    del context
     params = request["cycle_time"], request["integration_time"]
     return await _command(vehicle, _CMD.DO_SET_CAM_TRIGG_INTERVAL, *params)
 
 
-async def vtol_transition(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def vtol_transition(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Change between hovering and the wing (mavros_msgs/CommandVtolTransition)."""
-    del context
     return await _command(vehicle, _CMD.DO_VTOL_TRANSITION, float(request["state"]))
 
 
-async def set_mode(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_mode(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set the mode by its name or number (mavros_msgs/SetMode)."""
-    del context
     text = request["custom_mode"]
     if not text:
         await vehicle.command(_CMD.DO_SET_MODE, float(request["base_mode"]))
@@ -181,9 +169,8 @@ def _number_of(vehicle: Vehicle, text: str) -> int | None:
     return None if info is None else mode_number(info.autopilot, info.type, mode_of_text(text))
 
 
-async def set_stream_rate(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_stream_rate(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Request a stream at a rate (mavros_msgs/StreamRate)."""
-    del context
     vehicle.component.send(
         common.RequestDataStream(
             target_system=0,
@@ -196,25 +183,22 @@ async def set_stream_rate(vehicle: Vehicle, request: Fields, context: Any) -> Fi
     return {}
 
 
-async def set_message_interval(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_message_interval(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Request a message at a rate in hertz (mavros_msgs/MessageInterval); 0: its default rate."""
-    del context
     rate = request["message_rate"]
     interval = 0.0 if rate == 0 else -1.0 if rate < 0 else 1e6 / rate
     await vehicle.command(_CMD.SET_MESSAGE_INTERVAL, float(request["message_id"]), interval)
     return {"success": True}
 
 
-async def home_update(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def home_update(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Request HOME_POSITION (std_srvs/Trigger)."""
-    del request, context
     await with_status_texts(vehicle, vehicle.component.request_message(common.HomePosition))
     return {"success": True}
 
 
-async def vehicle_info(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def vehicle_info(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Return identity and versions of the vehicle (mavros_msgs/VehicleInfoGet)."""
-    del context
     asked = request["sysid"], request["compid"]
     if not request["get_all"] and asked not in ((0, 0), tuple(vehicle.address)):
         raise InvalidArgumentError(f"the vehicle is {vehicle.address}, not {asked[0]}/{asked[1]}")
@@ -235,30 +219,26 @@ async def vehicle_info(vehicle: Vehicle, request: Fields, context: Any) -> Field
     return {"success": True, "vehicles": [found]}
 
 
-async def arm(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def arm(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Arm, and wait until the vehicle is armed (std_srvs/Trigger)."""
-    del request, context
     await vehicle.arm()
     return {"success": True}
 
 
-async def disarm(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def disarm(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Disarm, and wait until the vehicle is disarmed (std_srvs/Trigger)."""
-    del request, context
     await vehicle.disarm()
     return {"success": True}
 
 
-async def hold(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def hold(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Hold the present position (std_srvs/Trigger)."""
-    del request, context
     await vehicle.hold()
     return {"success": True}
 
 
-async def rtl(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def rtl(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Return to launch, without waiting for the arrival (std_srvs/Trigger)."""
-    del request, context
     await vehicle.rtl(wait=False)
     return {"success": True}
 

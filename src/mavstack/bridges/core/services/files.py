@@ -25,9 +25,8 @@ _READ, _WRITE, _CREATE = 0, 1, 2
 _FILE, _DIRECTORY = 0, 1
 
 
-async def list_directory(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def list_directory(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """List a directory (mavros_msgs/FileList)."""
-    del context
     entries = await vehicle.ftp.list(request["dir_path"])
     found = [
         {"name": each.name, "type": _DIRECTORY if each.is_directory else _FILE, "size": each.size}
@@ -84,9 +83,8 @@ async def read_file(vehicle: Vehicle, request: Fields, context: ServiceContext) 
     return {"data": data, "success": True}
 
 
-async def write_file(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def write_file(_vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
     """Write a part of an open file (mavros_msgs/FileWrite)."""
-    del vehicle
     path, offset, data = request["file_path"], request["offset"], request["data"]
     content = context.open_files.get(path)
     if content is None:
@@ -98,50 +96,43 @@ async def write_file(vehicle: Vehicle, request: Fields, context: ServiceContext)
     return {"success": True}
 
 
-async def remove(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def remove(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Remove a file (mavros_msgs/FileRemove)."""
-    del context
     await vehicle.ftp.remove(request["file_path"])
     return {"success": True}
 
 
-async def make_directory(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def make_directory(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Create a directory (mavros_msgs/FileMakeDir)."""
-    del context
     await vehicle.ftp.make_directory(request["dir_path"])
     return {"success": True}
 
 
-async def remove_directory(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def remove_directory(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Remove an empty directory (mavros_msgs/FileRemoveDir)."""
-    del context
     await vehicle.ftp.remove_directory(request["dir_path"])
     return {"success": True}
 
 
-async def rename(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def rename(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Rename a file (mavros_msgs/FileRename)."""
-    del context
     await vehicle.ftp.rename(request["old_path"], request["new_path"])
     return {"success": True}
 
 
-async def truncate(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def truncate(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Cut a file (mavros_msgs/FileTruncate)."""
-    del context
     await vehicle.ftp.truncate(request["file_path"], request["length"])
     return {"success": True}
 
 
-async def checksum(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def checksum(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Return the CRC-32 of a file (mavros_msgs/FileChecksum)."""
-    del context
     return {"crc32": await vehicle.ftp.checksum(request["file_path"]), "success": True}
 
 
-async def reset(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def reset(_vehicle: Vehicle, _request: Fields, context: ServiceContext) -> Fields:
     """Forget all open files (std_srvs/Empty)."""
-    del vehicle, request
     context.open_files.clear()
     return {}
 

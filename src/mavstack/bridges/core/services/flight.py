@@ -33,9 +33,8 @@ async def takeoff(vehicle: Vehicle, goal: Fields) -> None:
     await vehicle.takeoff(goal["altitude"])
 
 
-async def land(vehicle: Vehicle, goal: Fields) -> None:
+async def land(vehicle: Vehicle, _goal: Fields) -> None:
     """Land."""
-    del goal
     await vehicle.land()
 
 
@@ -50,21 +49,18 @@ async def goto(vehicle: Vehicle, goal: Fields) -> None:
     )
 
 
-async def return_to_launch(vehicle: Vehicle, goal: Fields) -> None:
+async def return_to_launch(vehicle: Vehicle, _goal: Fields) -> None:
     """Return to home."""
-    del goal
     await vehicle.rtl()
 
 
-async def fly_mission(vehicle: Vehicle, goal: Fields) -> None:
+async def fly_mission(vehicle: Vehicle, _goal: Fields) -> None:
     """Arm if needed, and fly the mission to its end."""
-    del goal
     await vehicle.mission.fly()
 
 
-def height(vehicle: Vehicle, goal: Fields) -> Fields:
+def height(vehicle: Vehicle, _goal: Fields) -> Fields:
     """Return the altitude above home."""
-    del goal
     return {"altitude": _altitude(vehicle)}
 
 
@@ -74,17 +70,15 @@ def way_to_goal(vehicle: Vehicle, goal: Fields) -> Fields:
     return {"altitude": _altitude(vehicle), "distance": away}
 
 
-def way_home(vehicle: Vehicle, goal: Fields) -> Fields:
+def way_home(vehicle: Vehicle, _goal: Fields) -> Fields:
     """Return the altitude, and the distance from home."""
-    del goal
     home = vehicle.home
     away = nan if home is None else _distance(vehicle, home.latitude, home.longitude)
     return {"altitude": _altitude(vehicle), "distance": away}
 
 
-def mission_progress(vehicle: Vehicle, goal: Fields) -> Fields:
+def mission_progress(vehicle: Vehicle, _goal: Fields) -> Fields:
     """Return the current item and the number of items."""
-    del goal
     progress = vehicle.mission.progress
     if progress is None:
         return {}

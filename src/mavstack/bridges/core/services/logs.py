@@ -14,31 +14,27 @@ if TYPE_CHECKING:
 Fields = dict[str, Any]
 
 
-async def request_list(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def request_list(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Request the list of logs (mavros_msgs/LogRequestList)."""
-    del context
     vehicle.component.send(common.LogRequestList(start=request["start"], end=request["end"]))
     return {"success": True}
 
 
-async def request_data(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def request_data(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Request a part of a log (mavros_msgs/LogRequestData)."""
-    del context
     wanted = {"id": request["id"], "ofs": request["offset"], "count": request["count"]}
     vehicle.component.send(common.LogRequestData(**wanted))
     return {"success": True}
 
 
-async def request_end(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def request_end(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """End the transfer (mavros_msgs/LogRequestEnd)."""
-    del request, context
     vehicle.component.send(common.LogRequestEnd())
     return {"success": True}
 
 
-async def erase(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def erase(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Erase all logs (std_srvs/Trigger)."""
-    del request, context
     vehicle.component.send(common.LogErase())
     return {"success": True}
 

@@ -52,34 +52,30 @@ def number_of(fields: Fields) -> float:
     return int(value) if isinstance(value, bool) else value
 
 
-async def pull(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def pull(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Download all parameters (mavros_msgs/ParamPull)."""
-    del context
     known = vehicle.params.cached
     if request["force_pull"] or not vehicle.params.is_complete:
         known = await vehicle.params.download()
     return {"success": True, "param_received": len(known)}
 
 
-async def set_parameter(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_parameter(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set a parameter (mavros_msgs/ParamSetV2)."""
-    del context
     parameter = await vehicle.params.set(request["param_id"], number_of(request["value"]))
     return {"success": True, "value": ros_value(parameter)}
 
 
-async def list_parameters(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def list_parameters(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """List the names of parameters (rcl_interfaces/ListParameters)."""
-    del context
     known = vehicle.params.cached if vehicle.params.is_complete else await vehicle.params.download()
     prefixes = request["prefixes"]
     names = [name for name in known if not prefixes or any(name.startswith(each) for each in prefixes)]
     return {"result": {"names": sorted(names)}}
 
 
-async def get_parameters(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def get_parameters(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Return values by name (rcl_interfaces/GetParameters); unknown ones are not set."""
-    del context
     return {"values": [await _value(vehicle, name) for name in request["names"]]}
 
 
@@ -109,9 +105,8 @@ async def describe(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
     return {"descriptors": described}
 
 
-async def set_parameters(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_parameters(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set parameters one by one (rcl_interfaces/SetParameters)."""
-    del context
     return {"results": [await _set(vehicle, each) for each in request["parameters"]]}
 
 
@@ -123,9 +118,8 @@ async def _set(vehicle: Vehicle, fields: Fields) -> Fields:
     return {"successful": True}
 
 
-async def set_atomically(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_atomically(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set parameters; if one is refused, those before it get their values back."""
-    del context
     before: list[tuple[str, float]] = []
     for fields in request["parameters"]:
         try:

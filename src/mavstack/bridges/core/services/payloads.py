@@ -29,38 +29,33 @@ async def _command(vehicle: Vehicle, command: int, *params: float) -> Fields:
     return {"success": True, "result": int(result.result)}
 
 
-async def device_info(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def device_info(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Request GIMBAL_DEVICE_INFORMATION (mavros_msgs/GimbalGetInformation)."""
-    del request, context
     return await _command(vehicle, _CMD.REQUEST_MESSAGE, _DEVICE_INFORMATION)
 
 
-async def manager_info(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def manager_info(vehicle: Vehicle, _request: Fields, _context: Any) -> Fields:
     """Request GIMBAL_MANAGER_INFORMATION (mavros_msgs/GimbalGetInformation)."""
-    del request, context
     return await _command(vehicle, _CMD.REQUEST_MESSAGE, _MANAGER_INFORMATION)
 
 
-async def configure(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def configure(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Take or release control (mavros_msgs/GimbalManagerConfigure)."""
-    del context
     names = ("sysid_primary", "compid_primary", "sysid_secondary", "compid_secondary")
     params = [float(request[name]) for name in names]
     gimbal = float(request["gimbal_device_id"])
     return await _command(vehicle, _CMD.DO_GIMBAL_MANAGER_CONFIGURE, *params, 0.0, 0.0, gimbal)
 
 
-async def pitch_yaw(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def pitch_yaw(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Point the gimbal (mavros_msgs/GimbalManagerPitchyaw), in degrees as the command has them."""
-    del context
     params = [request[name] for name in ("pitch", "yaw", "pitch_rate", "yaw_rate")]
     flags, gimbal = float(request["flags"]), float(request["gimbal_device_id"])
     return await _command(vehicle, _CMD.DO_GIMBAL_MANAGER_PITCHYAW, *params, flags, 0.0, gimbal)
 
 
-async def set_roi(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def set_roi(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Set the region of interest (mavros_msgs/GimbalManagerSetRoi)."""
-    del context
     mode, gimbal = request["mode"], float(request["gimbal_device_id"])
     if mode >= len(_ROI):
         raise InvalidArgumentError(f"mode must be from 0 to 3, got {mode}")
@@ -74,9 +69,8 @@ async def set_roi(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
     return await _command(vehicle, _ROI[mode], gimbal, 0.0, 0.0, 0.0, *place)
 
 
-async def track(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def track(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Track a point or a rectangle in the picture (mavros_msgs/GimbalManagerCameraTrack)."""
-    del context
     mode = request["mode"]
     if mode >= len(_TRACK):
         raise InvalidArgumentError(f"mode must be from 0 to 2, got {mode}")
@@ -84,9 +78,8 @@ async def track(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
     return await _command(vehicle, _TRACK[mode], *(request[name] for name in names[mode]))
 
 
-async def mount_configure(vehicle: Vehicle, request: Fields, context: Any) -> Fields:
+async def mount_configure(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Configure a mount (mavros_msgs/MountConfigure)."""
-    del context
     names = ("mode", "stabilize_roll", "stabilize_pitch", "stabilize_yaw", "roll_input", "pitch_input")
     params = [float(request[name]) for name in (*names, "yaw_input")]
     return await _command(vehicle, _CMD.DO_MOUNT_CONFIGURE, *params)

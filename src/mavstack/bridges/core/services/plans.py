@@ -73,8 +73,7 @@ def _item(fields: Fields) -> MissionItem:
 
 
 def _pull(kind: PlanType) -> Handler:
-    async def handle(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
-        del request
+    async def handle(vehicle: Vehicle, _request: Fields, context: ServiceContext) -> Fields:
         plan = await pull_plan(vehicle, kind, context)
         return {"success": True, "wp_received": len(plan)}
 
@@ -99,8 +98,7 @@ def _push(kind: PlanType) -> Handler:
 
 
 def _clear(kind: PlanType) -> Handler:
-    async def handle(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
-        del request
+    async def handle(vehicle: Vehicle, _request: Fields, context: ServiceContext) -> Fields:
         await plan_of(vehicle, kind).clear()
         publish_plan(vehicle, kind, Plan(kind), context)
         return {"success": True}
@@ -108,9 +106,8 @@ def _clear(kind: PlanType) -> Handler:
     return handle
 
 
-async def set_current(vehicle: Vehicle, request: Fields, context: ServiceContext) -> Fields:
+async def set_current(vehicle: Vehicle, request: Fields, _context: ServiceContext) -> Fields:
     """Set the current item (mavros_msgs/WaypointSetCurrent)."""
-    del context
     await vehicle.mission.set_current(request["wp_seq"])
     return {"success": True}
 

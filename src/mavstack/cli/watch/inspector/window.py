@@ -171,9 +171,8 @@ class InspectorWindow(App[int]):
     def _message_line(self, row: MessageRow, width: int) -> Text:
         return lines.message_line(row, width, self._source_width)
 
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
         """Offer the keys of the plot and of the packets only where they do something."""
-        del parameters
         if action in ("span", "clear"):
             return any(panel.has_plot for panel in self.query(DetailPanel))
         if action == "all_packets":
