@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 from time import time
 from typing import TYPE_CHECKING, Any
 
@@ -17,15 +18,15 @@ from mavstack.dialects import common
 from mavstack.services.camera.media import VideoStream
 from mavstack.sim import BackgroundSimulator
 from mavstack.sim.payloads.picture import read_time
-from tests.interop.station import DESKTOP, PATIENT, StationPage, near, station_page, web_server
+from tests.interop.station import DESKTOP, PATIENT, StationPage, StationServer, near, station_page, web_server
 from tests.interop.whep_gateway import COLOURS, WhepGateway, whep_gateway
 from tests.links.test_tcp import free_port
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
+av = pytest.importorskip("av")
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(240)]
 
 STREAMS = (
@@ -65,16 +66,13 @@ def camera_page(
         shown.expect_problems(*FOREIGN)
 
 
-def choose(shown: StationPage, name: str) -> None:
-    source = shown.page.get_by_label("Source", exact=True)
-    shown.wait_until(lambda: any(name in text for text in source.locator("option").all_inner_texts()))
-    (label,) = [text for text in source.locator("option").all_inner_texts() if name in text]
-    source.select_option(label=label)
+def play(shown: StationPage, name: str) -> None:
+    shown.button(f"Play {name}").click(timeout=PATIENT)
 
 
-def wait_for_movement(shown: StationPage, colour: tuple[int, int, int]) -> None:
+def wait_for_movement(shown: StationPage, colour: tuple[int, int, int], index: int = 0) -> None:
     """Wait until the video shows its colour, at places that change."""
-    video = shown.page.locator(".picture video")
+    video = shown.page.locator(".picture video").nth(index)
     video.wait_for(timeout=PATIENT)
     before: np.ndarray | None = None
 
@@ -87,20 +85,28 @@ def wait_for_movement(shown: StationPage, colour: tuple[int, int, int]) -> None:
     shown.wait_until(moves)
 
 
-def test_announced_streams_are_played_switched_stopped_and_played_again(browser: Any, tmp_path: Path) -> None:
+def test_announced_streams_are_played_beside_each_other_and_closed(browser: Any, tmp_path: Path) -> None:
     with (
         whep_gateway() as gateway,
         camera_page(browser, tmp_path, f"{gateway.url}/{{path}}/whep") as shown,
     ):
-        choose(shown, "Front · 320")
-        shown.button("Play").click()
+        shown.wait_for("320\u00d7180")
+        play(shown, "Front")
         wait_for_movement(shown, COLOURS["front"])
         check_reconnect(shown, gateway)
-        choose(shown, "Infrared · thermal")
-        shown.wait_until(lambda: not gateway.peers)
-        shown.button("Play").click()
+        play(shown, "Infrared")
+        wait_for_movement(shown, COLOURS["thermal"], 1)
+        wait_for_movement(shown, COLOURS["front"])
+        left, right = (shown.page.locator(".picture").nth(each).bounding_box() for each in (0, 1))
+        assert left["y"] == right["y"], "they are beside each other"
+        assert left["x"] + left["width"] <= right["x"]
+        shown.button("Full screen").click()
+        shown.page.wait_for_function("document.fullscreenElement?.className.includes('pictures')")
+        shown.page.evaluate("document.exitFullscreen()")
+        shown.button("Close Front").click()
+        shown.wait_until(lambda: len(gateway.peers) == 1)
         wait_for_movement(shown, COLOURS["thermal"])
-        shown.button("Stop").click()
+        shown.button("Close Infrared").click()
         shown.wait_until(lambda: not gateway.peers)
         assert shown.page.locator(".picture").count() == 0
 
@@ -116,11 +122,10 @@ def check_reconnect(shown: StationPage, gateway: WhepGateway) -> None:
 
 def test_a_stream_that_comes_later_is_waited_for_until_it_is_stopped(browser: Any, tmp_path: Path) -> None:
     with whep_gateway() as gateway, camera_page(browser, tmp_path, f"{gateway.url}/none/whep") as shown:
-        choose(shown, "Front")
-        shown.button("Play").click()
+        play(shown, "Front")
         shown.wait_for("the gateway answered 404")
         shown.wait_until(lambda: gateway.requests.count(("POST", "none")) >= 3)
-        shown.button("Stop").click()
+        shown.button("Close Front").click()
         stopped = gateway.requests.count(("POST", "none"))
         shown.page.wait_for_timeout(4500)
         assert gateway.requests.count(("POST", "none")) <= stopped + 1
@@ -129,9 +134,8 @@ def test_a_stream_that_comes_later_is_waited_for_until_it_is_stopped(browser: An
 def test_addresses_that_are_no_video_are_not_opened(browser: Any, tmp_path: Path) -> None:
     with camera_page(browser, tmp_path, "http://127.0.0.1:9/{path}/whep") as shown:
         for name, text in (("Script", "no video that a browser"), ("Secret", "address with a password")):
-            choose(shown, name)
             shown.wait_for(text)
-            assert shown.button("Play").is_disabled()
+            assert shown.button(f"Play {name}").is_disabled()
         assert shown.page.evaluate("window.isHacked") is None
 
 
@@ -201,13 +205,12 @@ def test_mediamtx_plays_a_camera_with_the_configuration_that_the_page_shows(
 ) -> None:
     mediamtx()
     with camera(tmp_path) as stream, camera_page(browser, tmp_path, "", (stream,)) as shown:
-        choose(shown, "Front")
         paths = shown.page.locator("pre", has_text="paths:").inner_text(timeout=PATIENT)
         with running_mediamtx(tmp_path, paths) as (_, webrtc):
             gateway = shown.page.get_by_label("Gateway")
             gateway.fill(f"http://127.0.0.1:{webrtc}/{{path}}/whep")
             gateway.press("Enter")
-            shown.button("Play").click()
+            play(shown, "Front")
             wait_for_movement(shown, (255, 255, 0))
 
 
@@ -224,11 +227,48 @@ def test_the_station_plays_a_camera_without_a_gateway(browser: Any, tmp_path: Pa
         shown.button("Choose a vehicle: Copter 1").wait_for(timeout=PATIENT)
         shown.page.keyboard.press("]")
         shown.button("Video").click(timeout=PATIENT)
-        choose(shown, "camera")
-        shown.button("Play").click()
+        play(shown, "camera")
         video = shown.page.locator(".picture video")
         video.wait_for(timeout=PATIENT)
         shown.wait_until(lambda: abs(read_time(shown.pixels(video).astype(np.uint8)) - time()) < 20)
         assert server.get("video") == {"available": True, "viewers": 1}
-        shown.button("Stop").click()
+        check_recording(shown, server, tmp_path)
+        shown.button("Close camera").click()
         shown.wait_until(lambda: server.get("video")["viewers"] == 0)
+
+
+def check_recording(shown: StationPage, server: StationServer, folder: Path) -> None:
+    """Record the camera that is shown, and find the file in the view Logs."""
+    shown.button("Record camera").click()
+    shown.wait_for("Recording 0:")
+    shown.wait_until(lambda: server.get("video/recordings")[0]["seconds"] > 1)
+    shown.button("End the recording of camera").click()
+    shown.wait_for("is among the recordings in the view Logs")
+    (recorded,) = server.get("video/recordings")
+    assert recorded["name"].startswith("copter-1-camera-20")
+    assert not recorded["running"]
+    shown.page.get_by_role("link", name="Logs").click()
+    with shown.page.expect_download() as download:
+        shown.page.get_by_role("link", name=f"Download {recorded['name']}").click()
+    data = Path(download.value.path()).read_bytes()
+    assert data == (folder / recorded["name"]).read_bytes()
+    with av.open(str(folder / recorded["name"])) as container:
+        pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    assert abs(read_time(pictures[-1]) - time()) < 60
+    shown.page.get_by_role("link", name="Fly").click()
+    shown.button("Video").click(timeout=PATIENT)
+    play(shown, "camera")
+
+
+def test_h265_is_explained_in_the_place_of_a_black_picture(browser: Any, tmp_path: Path) -> None:
+    stream = VideoStream(1, 1, "rtsp://127.0.0.1:8554/hevc", "Hevc", encoding=common.VideoStreamEncoding.H265)
+    with whep_gateway() as gateway:
+        url = f"{gateway.url}/{{path}}/whep"
+        with camera_page(browser, tmp_path, url, (stream,)) as shown:
+            shown.page.evaluate(
+                "RTCRtpReceiver.getCapabilities = () => ({ codecs: [{ mimeType: 'video/H264' }] })"
+            )
+            play(shown, "Hevc")
+            shown.wait_for("Set the encoding of the camera to H.264")
+            assert shown.page.locator(".picture video").count() == 0
+            assert gateway.requests == []

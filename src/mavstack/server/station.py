@@ -32,6 +32,7 @@ from mavstack.server.shared_reads import SharedReads
 from mavstack.server.sources import Sources
 from mavstack.server.swarms import StationSwarm
 from mavstack.server.tasks import Tasks
+from mavstack.server.video.recordings import VideoRecordings
 from mavstack.server.worlds import Worlds
 from mavstack.vehicle import Connection, VehicleFound, VehicleRebooted
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
@@ -102,6 +103,7 @@ class Station:
         self.worlds = Worlds(self.sources, programs)
         self.packets = PacketHub(self.connection)
         self.recordings = Recordings(self.connection, folder)
+        self.videos = VideoRecordings(self.video, folder)
         self.maps = StationMaps(maps)
         self.calibrations = Calibrations()
         self.swarm = StationSwarm(self.connection)
@@ -141,6 +143,7 @@ class Station:
 
             self._video = VideoGateway()
             self._closing.push_async_callback(self._video.close)
+            self._closing.push_async_callback(self.videos.close)
         return self._video
 
     async def open(self) -> Self:

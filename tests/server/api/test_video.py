@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 
 from mavstack.http.bodies import RefusedError
@@ -7,6 +9,9 @@ from mavstack.security.roles import Role
 from mavstack.server.access import Access
 from mavstack.server.api.video import MAX_OBSERVED
 from tests.server.stations import COPTER, Ground, serve
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 PASSWORDS = {Role.OBSERVE: "watching only", Role.OPERATE: "may fly it"}
 
@@ -54,3 +59,26 @@ def test_observers_watch_cameras_that_are_open(monkeypatch: pytest.MonkeyPatch) 
         assert len(watched) == 3
 
     serve(COPTER, scenario, access=Access(passwords=PASSWORDS, local=False))
+
+
+def test_recorded_videos_are_listed_downloaded_and_ended_by_their_names(tmp_path: Path) -> None:
+    pytest.importorskip("aiortc")
+
+    async def scenario(ground: Ground) -> None:
+        name = "copter-1-front-2026-11-28-101500.mp4"
+        (tmp_path / name).write_bytes(b"pictures")
+        (listed,) = (await ground.api.get("/api/video/recordings")).json
+        assert (listed["name"], listed["size"], listed["running"]) == (name, 8, False)
+        answer = await ground.api.get(f"/api/video/recordings/{name}")
+        assert (answer.status, answer.data) == (200, b"pictures")
+        for path in ("none.mp4", "..%2Fnone.mp4", "passwd"):
+            assert (await ground.api.get(f"/api/video/recordings/{path}")).status == 404
+        assert (await ground.api.post(f"/api/video/recordings/{name}/stop", {})).status == 404
+        record = {"uri": "rtsp://127.0.0.1:9/a", "system": 1, "name": "Front"}
+        answer = await ground.api.post("/api/video/recordings", record)
+        assert (answer.status, answer.json["error"]["kind"]) == (409, "LinkError")
+        for body in ({}, {"uri": "file:///etc/passwd"}, record | {"system": 0}):
+            assert (await ground.api.post("/api/video/recordings", body)).status == 400
+
+    serve(COPTER, scenario, folder=tmp_path)
+    assert [each.name for each in tmp_path.iterdir()] == ["copter-1-front-2026-11-28-101500.mp4"]

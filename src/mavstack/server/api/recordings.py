@@ -70,15 +70,15 @@ async def _download(call: PlainCall) -> Response:
     recordings, name = call.station.recordings, call.path("name")
     path = recordings.path(name)
     if recordings.is_running(name):
-        return _beginning(path)
+        return file_so_far(path, _BYTES)
     return FileResponse(path, filename=path.name, media_type=_BYTES)
 
 
-def _beginning(path: Path) -> Response:
-    """Return what a file that grows has now: an answer must not be longer than its header says."""
+def file_so_far(path: Path, media_type: str) -> Response:
+    """Return the present bytes of a file that grows: an answer must not be longer than its header says."""
     size = path.stat().st_size
     headers = {"Content-Length": str(size), "Content-Disposition": f'attachment; filename="{path.name}"'}
-    return StreamingResponse(_chunks(path, size), media_type=_BYTES, headers=headers)
+    return StreamingResponse(_chunks(path, size), media_type=media_type, headers=headers)
 
 
 def _chunks(path: Path, size: int) -> Iterator[bytes]:

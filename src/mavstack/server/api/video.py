@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+import asyncio
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Final
 
 from msgspec import Meta
-from starlette.responses import Response
+from starlette.responses import FileResponse, Response
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
+from mavstack.http.routes import NoFields
 from mavstack.security.roles import Role
+from mavstack.server.api.action_route import summary_of
+from mavstack.server.api.recordings import file_so_far
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.video.addresses import MAX_LENGTH, read_address
-
-if TYPE_CHECKING:
-    from typing import Final
+from mavstack.server.video.recordings import label_of
 
 _SDP = "application/sdp"
+_MP4: Final = "video/mp4"
+_EXAMPLE: Final = {
+    "name": "copter-1-front-2026-11-28-101500.mp4",
+    "size": 51200,
+    "modified": 1790000000.0,
+    "running": True,
+    "seconds": 12.5,
+    "problem": "",
+    "uri": "rtsp://127.0.0.1:8554/camera",
+}
 #: Number of viewers from which observers cannot watch, so that operators still can.
 MAX_OBSERVED: Final = 8
 #: Maximum size of a WebRTC offer in bytes.
@@ -35,6 +47,30 @@ class WatchQuery(Fields):
             max_length=MAX_LENGTH,
         ),
     ]
+    h265: Annotated[bool, Meta(description="An RTP stream is H.265, which its packets do not say.")] = False
+
+
+class RecordVideo(Fields):
+    """Record a camera of a vehicle."""
+
+    uri: Annotated[
+        str,
+        Meta(
+            description="The address: rtsp://, rtsps://, rtp:// or udp:// with a port, or a port alone.",
+            examples=["rtsp://127.0.0.1:8554/camera"],
+            max_length=MAX_LENGTH,
+        ),
+    ]
+    system: Annotated[
+        Annotated[int, Meta(ge=1, le=255)] | None,
+        Meta(description="The system id of the vehicle, for the name of the file; null: none.", examples=[1]),
+    ] = None
+    name: Annotated[
+        str,
+        Meta(
+            description="The name of the stream, for the name of the file.", examples=["Front"], max_length=80
+        ),
+    ] = ""
     h265: Annotated[bool, Meta(description="An RTP stream is H.265, which its packets do not say.")] = False
 
 
@@ -59,6 +95,30 @@ async def _leave(call: PlainCall) -> dict[str, int]:
     # No error for an unknown viewer: its connection may have been closed before.
     await call.station.video().leave(call.path("viewer"))
     return {"viewers": call.station.video_viewers}
+
+
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
+    return await asyncio.to_thread(call.station.videos.list)
+
+
+async def _record(call: Call[RecordVideo, None]) -> dict[str, Any]:
+    body = call.body
+    address = read_address(body.uri, is_h265=body.h265)
+    vehicle = call.station.connection.vehicles.get(body.system) if body.system is not None else None
+    words = [] if vehicle is None else [str(vehicle.vehicle_type), str(vehicle.system)]
+    return await call.station.videos.start(address, body.uri, label_of(*words, body.name))
+
+
+async def _stop(call: Call[NoFields, None]) -> dict[str, Any]:
+    return await call.station.videos.stop(call.path("name"))
+
+
+async def _download(call: PlainCall) -> Response:
+    videos, name = call.station.videos, call.path("name")
+    path = videos.path(name)
+    if videos.is_growing(name):
+        return file_so_far(path, _MP4)
+    return FileResponse(path, filename=path.name, media_type=_MP4)
 
 
 ROUTES: tuple[AnyRoute, ...] = (
@@ -90,5 +150,44 @@ ROUTES: tuple[AnyRoute, ...] = (
         summary="End watching a camera",
         tag="cameras",
         answer={"viewers": 0},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/video/recordings",
+        handler=_list,
+        summary="List the recorded videos of the station",
+        tag="cameras",
+        answer=[_EXAMPLE],
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/video/recordings",
+        handler=_record,
+        summary=summary_of(RecordVideo),
+        tag="cameras",
+        role=Role.OPERATE,
+        body=RecordVideo,
+        status=201,
+        answer=_EXAMPLE,
+    ),
+    ApiRoute(
+        method="POST",
+        path="/api/video/recordings/{name}/stop",
+        path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
+        handler=_stop,
+        summary="End the recording of a camera",
+        tag="cameras",
+        role=Role.OPERATE,
+        body=NoFields,
+        answer=_EXAMPLE | {"running": False},
+    ),
+    ApiRoute(
+        method="GET",
+        path="/api/video/recordings/{name}",
+        path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
+        handler=_download,
+        summary="Download a recorded video",
+        tag="cameras",
+        media_type=_MP4,
     ),
 )

@@ -7,6 +7,7 @@ frees its place, and the last viewer of a camera closes it.
 from __future__ import annotations
 
 import asyncio
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING, Any, Final
@@ -21,7 +22,7 @@ except ImportError as missing:
     raise MissingExtraError("video in the station", "video") from missing
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import AsyncIterator, Coroutine
 
     from aiortc import RTCRtpCodecCapability
 
@@ -54,6 +55,8 @@ class VideoGateway:
 
     def __init__(self) -> None:
         self._viewers: dict[str, _Viewer] = {}
+        #: The cameras that others than viewers keep open, by a name for each of them.
+        self._kept: dict[str, tuple[CameraAddress, bool]] = {}
         self._sources: dict[tuple[CameraAddress, bool], CameraSource] = {}
         self._opening = asyncio.Lock()
         self._closing: set[asyncio.Future[object]] = set()
@@ -102,13 +105,34 @@ class VideoGateway:
         asyncio.get_running_loop().call_later(CONNECT_TIMEOUT, self._check_connected, name)
         return Answer(name, sdp)
 
+    @asynccontextmanager
+    async def camera(self, address: CameraAddress) -> AsyncIterator[CameraSource]:
+        """Keep a camera open, shared with its viewers, until the block ends.
+
+        Args:
+            address: The camera.
+
+        Yields:
+            The open camera.
+
+        Raises:
+            RefusedError: Too many cameras are open.
+            LinkError: The camera does not answer.
+        """
+        name, key = token_urlsafe(12), (address, True)
+        self._kept[name] = key
+        try:
+            yield await self._source(key)
+        finally:
+            del self._kept[name]
+            await self._end_unused(key)
+
     async def leave(self, name: str) -> bool:
         """End a viewer; return False if there is none of this name."""
         viewer = self._viewers.pop(name, None)
         if viewer is None:
             return False
-        if not any(each.key == viewer.key for each in self._viewers.values()):
-            await self._end_source(viewer.key)
+        await self._end_unused(viewer.key)
         await viewer.peer.close()
         return True
 
@@ -116,6 +140,10 @@ class VideoGateway:
         """End all viewers, and wait until all cameras are closed."""
         await asyncio.gather(*map(self.leave, tuple(self._viewers)))
         await asyncio.gather(*self._closing)
+
+    async def _end_unused(self, key: tuple[CameraAddress, bool]) -> None:
+        if key not in self._kept.values() and all(each.key != key for each in self._viewers.values()):
+            await self._end_source(key)
 
     async def _end_source(self, key: tuple[CameraAddress, bool]) -> None:
         source = self._sources.pop(key, None)

@@ -222,8 +222,10 @@ export const fly = {
   leftStick: 'Left stick: throttle and yaw',
   rightStick: 'Right stick: pitch and roll',
   videoNone: 'The vehicle has announced no video.',
-  videoSource: 'Source',
-  videoOwn: 'Other address',
+  videoStreams: 'Streams',
+  videoFullScreen: 'Full screen',
+  videoAnnounced: 'Announced by the vehicle',
+  videoOwn: 'Own address',
   videoUrl: 'Address of the video',
   videoUrlHint: 'http://…/whep (WebRTC), an HTTP video, MJPEG, or rtsp:// by the station or a gateway',
   videoGateway: 'Gateway',
@@ -237,8 +239,19 @@ export const fly = {
   videoPassword: 'Browsers load no pictures from an address with a password. Use a gateway, or an address without one.',
   videoLost: 'the connection was lost',
   videoNotPlayable: 'no picture came, or the browser does not know the format',
-  videoPlay: 'Play',
-  videoStop: 'Stop',
+  videoPlay: 'Play {name}',
+  videoStop: 'Close {name}',
+  videoRecord: 'Record {name}',
+  videoEndRecording: 'End the recording of {name}',
+  videoRecording: 'Recording {time} · {name}',
+  videoSaved: 'The video {name} is among the recordings in the view Logs.',
+  videoNoPicture:
+    'No picture came. If the camera sends H.265 (HEVC), set its encoding to H.264, which every browser shows.',
+  videoH265:
+    'The camera sends H.265 (HEVC), which this browser does not show. Set the encoding of the camera to H.264.',
+  videoConverted:
+    'The camera sends H.265 (HEVC). The station converts it for the browser, which costs processor time and delay; ' +
+    'with H.264 as the encoding of the camera neither is needed.',
   videoAsk: 'Ask the vehicle again',
-  videoLabel: 'Video of vehicle {system}',
+  videoLabel: '{name} of vehicle {system}',
 } as const;

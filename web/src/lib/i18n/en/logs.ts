@@ -1,5 +1,6 @@
 export const logs = {
   recordings: 'Recordings of the station',
+  videos: 'Recorded videos',
   record: 'Record',
   recording: 'Recording',
   stop: 'Stop',

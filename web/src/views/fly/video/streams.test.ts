@@ -1,7 +1,8 @@
 import { expect, it } from 'vitest';
 
 import { DEFAULT_GATEWAY } from './gateway';
-import { playerFor, streamFrom } from './streams';
+import { withoutPassword } from './recordings.svelte';
+import { isTakenByStation, playerFor, streamFrom } from './streams';
 import { requestOf, resourceOf } from './whep';
 
 const FIELDS = {
@@ -27,6 +28,13 @@ it('plays RTSP and RTP through the station, and a gateway comes first', () => {
     url: `${station}?uri=rtsp%3A%2F%2Fcam%3A8554%2Ffront`,
   });
   expect(playerFor('5600', 1, '', station).url).toBe(`${station}?uri=5600`);
+  expect(playerFor('5600', 1, '', station, true).url).toBe(`${station}?uri=5600&h265=true`);
+  expect([isTakenByStation('rtsp://cam/a'), isTakenByStation('5600', 3), isTakenByStation('http://cam')]).toEqual([
+    true,
+    false,
+    false,
+  ]);
+  expect(withoutPassword(' rtsp://user:word@cam/a ')).toBe('rtsp://***@cam/a');
   expect(playerFor('rtsp://cam:8554/front', 0, DEFAULT_GATEWAY, station).url).toBe('http://cam:8889/front/whep');
   expect(playerFor('5600', 3, '', station).kind).toBe('gateway');
   expect(playerFor('srt://cam:9000', 0, '', station).kind).toBe('gateway');

@@ -55,7 +55,13 @@ export type Player =
  * Return how a stream can be played. Streams that browsers do not play go by WebRTC (WHEP): through a gateway, or
  * through the station, whose address is empty if it plays none.
  */
-export function playerFor(uri: string, type: number = VideoStreamType.RTSP, gateway = '', station = ''): Player {
+export function playerFor(
+  uri: string,
+  type: number = VideoStreamType.RTSP,
+  gateway = '',
+  station = '',
+  isH265 = false,
+): Player {
   const url = uri.trim();
   if (type === VideoStreamType.WHEP) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
   if (/^wheps?:/i.test(url)) return httpPlayer(url.replace(/^whep/i, 'http'), 'whep');
@@ -63,9 +69,21 @@ export function playerFor(uri: string, type: number = VideoStreamType.RTSP, gate
   if (/^[a-z][a-z0-9+.-]*:/i.test(url) && !STREAM_SCHEME.test(url)) return { kind: 'unusable', url, reason: 'scheme' };
   const viaGateway = gatewayUrl({ uri: url, type }, gateway);
   if (viaGateway !== null) return httpPlayer(viaGateway, 'whep');
-  const isPlayed = /^(?:rtsps?:\/\/|(?:rtp|udp):\/\/|\d+$)/i.test(url) && type !== VideoStreamType.MPEG_TS;
-  if (station === '' || !isPlayed) return { kind: 'gateway', url };
-  return { kind: 'whep', url: `${station}?${new URLSearchParams({ uri: url }).toString()}` };
+  if (station === '' || !isTakenByStation(url, type)) return { kind: 'gateway', url };
+  const query = new URLSearchParams(isH265 ? { uri: url, h265: 'true' } : { uri: url });
+  return { kind: 'whep', url: `${station}?${query.toString()}` };
+}
+
+/** Whether the station plays and records an address. */
+export function isTakenByStation(uri: string, type: number = VideoStreamType.RTSP): boolean {
+  return /^(?:rtsps?:\/\/|(?:rtp|udp):\/\/|\d+$)/i.test(uri.trim()) && type !== VideoStreamType.MPEG_TS;
+}
+
+/** Whether this browser shows H.265: by WebRTC, or in files and HTTP streams. */
+export function showsH265(kind: Player['kind']): boolean {
+  if (kind !== 'whep') return document.createElement('video').canPlayType('video/mp4; codecs="hvc1"') !== '';
+  const codecs = RTCRtpReceiver.getCapabilities('video')?.codecs ?? [];
+  return codecs.some(({ mimeType }) => /h265|hevc/i.test(mimeType));
 }
 
 function httpPlayer(url: string, kind: 'whep' | 'video' | 'image'): Player {

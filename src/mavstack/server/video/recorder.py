@@ -1,0 +1,151 @@
+"""The recording of one camera, which viewers share; after an interruption it continues in a new file."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
+
+from aiortc.mediastreams import MediaStreamError
+
+from mavstack.errors import LogError, MavstackError
+from mavstack.http.bodies import RefusedError
+from mavstack.server.video.video_file import VideoFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mavstack.server.video.addresses import CameraAddress
+    from mavstack.server.video.gateway import VideoGateway
+    from mavstack.server.video.sources import CameraSource
+
+#: Seconds between two attempts to open a camera that ended its stream.
+RETRY_INTERVAL: Final = 2.0
+#: Maximum bytes of a file; the recording continues in the next one.
+MAX_FILE: Final = 4 << 30
+#: Bytes that stay free on the disk: a recording ends before.
+MIN_FREE: Final = 1 << 30
+#: Number of pictures after which the disk is examined.
+_CHECK_INTERVAL: Final = 100
+
+
+class Recorder:
+    """A recording that runs until it is stopped, or the disk is full.
+
+    Args:
+        gateway: Opens the camera.
+        address: The camera.
+        new_path: Makes the next file, which is empty, and returns its path.
+    """
+
+    def __init__(self, gateway: VideoGateway, address: CameraAddress, new_path: Callable[[], Path]) -> None:
+        self._gateway, self._address, self._new_path = gateway, address, new_path
+        self._task: asyncio.Task[None] | None = None
+        #: The files so far; the last one grows.
+        self.paths: list[Path] = []
+        #: The reason why nothing is recorded at present; empty: it is.
+        self.problem = ""
+        self._seconds = 0.0
+        self._file: VideoFile | None = None
+
+    @property
+    def running(self) -> bool:
+        """True until the recording was stopped, or the disk is full."""
+        return self._task is not None and not self._task.done()
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of video in all files."""
+        return self._seconds + (0.0 if self._file is None else self._file.seconds)
+
+    async def start(self) -> None:
+        """Open the camera and begin.
+
+        Raises:
+            LinkError: The camera does not answer.
+            RefusedError: Too many cameras are open.
+            LogError: The disk is full.
+        """
+        opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._task = asyncio.create_task(self._run(opened))
+        try:
+            await asyncio.wait({opened, self._task}, return_when=asyncio.FIRST_COMPLETED)
+        except asyncio.CancelledError:
+            await self.stop()
+            raise
+        await (opened if opened.done() else self._task)
+
+    async def stop(self) -> None:
+        """End the recording, and wait until its file is complete. Idempotent."""
+        if self._task is not None:
+            self._task.cancel()
+            with suppress(asyncio.CancelledError, MavstackError):
+                await self._task
+
+    async def _run(self, opened: asyncio.Future[None]) -> None:
+        while True:
+            try:
+                async with self._gateway.camera(self._address) as source:
+                    self.problem = ""
+                    if not opened.done():
+                        opened.set_result(None)
+                    await self._record(source)
+                self.problem = "the camera ended its stream; it is opened again"
+            except (MavstackError, RefusedError) as error:
+                self.problem = str(error)
+                if not opened.done():
+                    opened.set_exception(error)
+                    return
+                if isinstance(error, LogError):
+                    return
+            await asyncio.sleep(RETRY_INTERVAL)
+
+    async def _record(self, source: CameraSource) -> None:
+        """Write files until the camera ends its stream."""
+        track = source.subscribe()
+        try:
+            while source.is_live:
+                await self._fill_file(track)
+        except MediaStreamError:
+            pass
+        finally:
+            track.stop()
+
+    async def _fill_file(self, track: object) -> None:
+        path = self._new_path()
+        self._file = VideoFile(path)
+        self.paths.append(path)
+        loop = asyncio.get_running_loop()
+        # One thread keeps the order: a file is closed after a write that was cancelled.
+        with_disk = ThreadPoolExecutor(1, "video-recording")
+        try:
+            count = 0
+            while True:
+                data = await track.recv()  # type: ignore[attr-defined]
+                await loop.run_in_executor(with_disk, self._file.write, data)
+                count += 1
+                if count % _CHECK_INTERVAL == 0 and await loop.run_in_executor(with_disk, _is_complete, path):
+                    return
+        finally:
+            closing = loop.run_in_executor(with_disk, self._file.close)
+            with_disk.shutdown(wait=False)
+            self._seconds, self._file = self.seconds, None
+            await asyncio.shield(closing)
+
+
+def _is_complete(path: Path) -> bool:
+    """Return whether a file has its maximum size; raises `LogError` if the disk is nearly full."""
+    require_space(path.parent)
+    return path.is_file() and path.stat().st_size >= MAX_FILE
+
+
+def require_space(folder: Path) -> None:
+    """Raise `LogError` if the disk is nearly full."""
+    free = shutil.disk_usage(folder).free
+    if free < MIN_FREE:
+        raise LogError(
+            f"recording video failed: {free >> 20} MiB are free on the disk, {MIN_FREE >> 20} stay free"
+        )

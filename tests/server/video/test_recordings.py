@@ -1,0 +1,171 @@
+"""Recorded video of a simulated camera."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from time import time
+
+import pytest
+
+from mavstack.errors import LinkError, LogError
+from mavstack.http.bodies import RefusedError
+from mavstack.server.video.addresses import read_address
+from mavstack.server.video.recordings import VideoRecordings, label_of, redacted
+from mavstack.sim.payloads.picture import read_time
+
+aiortc = pytest.importorskip("aiortc")
+av = pytest.importorskip("av")
+
+from mavstack.server.video import recorder as module  # noqa: E402
+from mavstack.server.video.gateway import VideoGateway  # noqa: E402
+from mavstack.sim.video_camera import VideoCamera, attitude_picture  # noqa: E402
+from tests.server.video.test_gateway import browser, picture_of  # noqa: E402
+from tests.waiting import wait_until  # noqa: E402
+
+
+@asynccontextmanager
+async def studio(folder):
+    """Recordings of a camera: recordings, gateway, camera."""
+    gateway = VideoGateway()
+    recordings = VideoRecordings(lambda: gateway, folder)
+    try:
+        async with VideoCamera(attitude_picture(lambda: (0.0, 0.0))) as camera:
+            yield recordings, gateway, camera
+            await recordings.close()
+            await gateway.close()
+    finally:
+        await recordings.close()
+        await gateway.close()
+
+
+def pictures(path):
+    """Return the pictures of a file."""
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+
+
+async def grown(recordings, seconds=1.0):
+    await wait_until(
+        lambda: any(each["seconds"] and each["seconds"] >= seconds for each in recordings.list())
+    )
+
+
+async def test_a_camera_is_recorded_beside_its_viewer_and_the_file_plays(tmp_path):
+    async with studio(tmp_path) as (recordings, gateway, camera):
+        async with browser(gateway, camera.url) as (track, name):
+            await picture_of(track)
+            begun = await recordings.start(read_address(camera.url), camera.url, "copter-1-front")
+            assert begun["name"].startswith("copter-1-front-20")
+            assert begun["running"]
+            await grown(recordings)
+            assert (gateway.cameras, camera.players) == (1, 1), "viewer and recording share the camera"
+            await gateway.leave(name)
+        await grown(recordings, 2.0)
+        assert gateway.cameras == 1, "the recording continues without a viewer"
+        path = recordings.path(begun["name"])
+        assert recordings.is_growing(begun["name"])
+        before = pictures(path)  # of a program that was killed now
+        assert len(before) > 10
+        ended = await recordings.stop(begun["name"])
+        assert not ended["running"]
+        assert ended["size"] == path.stat().st_size > 0
+        assert gateway.cameras == 0
+        shown = pictures(path)
+        assert len(shown) > len(before)
+        times = [read_time(each) for each in shown]
+        assert times == sorted(times)
+        assert abs(times[-1] - time()) < 20
+        with pytest.raises(RefusedError, match="no recording"):
+            await recordings.stop(begun["name"])
+
+
+async def test_a_camera_that_is_decoded_is_encoded(tmp_path, monkeypatch):
+    """As for H.265, of which the viewers get H.264."""
+    sources = pytest.importorskip("mavstack.server.video.sources")
+    opening = sources._player
+    monkeypatch.setattr(
+        sources,
+        "_player",
+        lambda address, *, decode: opening(address, decode=True) if decode else _without_video(),
+    )
+    async with studio(tmp_path) as (recordings, _, camera):
+        begun = await recordings.start(read_address(camera.url), camera.url, "x")
+        await grown(recordings)
+        await recordings.stop(begun["name"])
+        assert abs(read_time(pictures(tmp_path / begun["name"])[-1]) - time()) < 20
+
+
+def _without_video():
+    class Player:
+        video = None
+
+    return Player()
+
+
+async def test_an_interrupted_recording_continues_in_a_new_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "RETRY_INTERVAL", 0.05)
+    async with studio(tmp_path) as (recordings, gateway, camera):
+        begun = await recordings.start(read_address(camera.url), camera.url, "x")
+        await grown(recordings)
+        (source,) = gateway._sources.values()
+        source._track.stop()
+        source._player._stop(source._track)
+        await wait_until(lambda: len(recordings.list()) == 2)
+        assert len(pictures(tmp_path / begun["name"])) > 5
+        await grown(recordings, 2.0)
+        running = [each for each in recordings.list() if each["running"]]
+        assert len(running) == 1
+        assert running[0]["name"] != begun["name"]
+        await recordings.stop(begun["name"])
+        assert not any(each["running"] for each in recordings.list())
+        assert len(pictures(tmp_path / running[0]["name"])) > 5
+
+
+async def test_files_have_a_maximum_size(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "MAX_FILE", 10_000)
+    monkeypatch.setattr(module, "_CHECK_INTERVAL", 10)
+    async with studio(tmp_path) as (recordings, _, camera):
+        await recordings.start(read_address(camera.url), camera.url, "x")
+        await wait_until(lambda: len(recordings.list()) >= 3, timeout=60)
+        await recordings.close()
+        for each in recordings.list()[:-1]:
+            assert pictures(tmp_path / each["name"])
+
+
+async def test_a_full_disk_ends_the_recording_and_permits_no_new_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "_CHECK_INTERVAL", 10)
+    async with studio(tmp_path) as (recordings, gateway, camera):
+        address = read_address(camera.url)
+        begun = await recordings.start(address, camera.url, "x")
+        await grown(recordings, 0.2)
+        monkeypatch.setattr(module, "MIN_FREE", 1 << 60)
+        await wait_until(lambda: not any(each["running"] for each in recordings.list()))
+        (shown,) = recordings.list()
+        assert "free on the disk" in shown["problem"]
+        assert pictures(tmp_path / begun["name"])
+        await wait_until(lambda: gateway.cameras == 0)
+        with pytest.raises(LogError, match="free on the disk"):
+            await recordings.start(address, camera.url, "x")
+
+
+async def test_refusals_leave_no_file(tmp_path, monkeypatch):
+    async with studio(tmp_path) as (recordings, gateway, _):
+        with pytest.raises(LinkError, match="opening the camera failed"):
+            await recordings.start(read_address("rtsp://127.0.0.1:9/none"), "x", "x")
+        monkeypatch.setattr("mavstack.server.video.recordings.MAX_RUNNING", 0)
+        with pytest.raises(RefusedError, match="0 cameras are recorded already"):
+            await recordings.start(read_address("rtsp://127.0.0.1:9/none"), "x", "x")
+        assert gateway.cameras == 0
+        assert recordings.list() == []
+        for name in ("../x.mp4", ".x.mp4", "x.tlog", "none.mp4"):
+            with pytest.raises(RefusedError, match="there is no video"):
+                recordings.path(name)
+    with pytest.raises(RefusedError, match="without a folder"):
+        await VideoRecordings(lambda: gateway, None).start(read_address("rtsp://127.0.0.1:9/none"), "x", "x")
+
+
+def test_names_follow_from_vehicle_and_camera_and_leave_no_folder():
+    assert label_of("copter", "1", "Front") == "copter-1-front"
+    assert label_of("copter", "1", "../../etc/passwd") == "copter-1-etc-passwd"
+    assert label_of("", "..") == "video"
+    assert redacted("rtsp://user:word@10.0.0.5/a") == "rtsp://***@10.0.0.5/a"
