@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Final, Generic, TypeAlias, TypeVar
+from inspect import get_annotations
+from types import NoneType
+from typing import TYPE_CHECKING, Annotated, Any, Final, Generic, TypeAlias, TypeVar, get_args
 
 from msgspec import Meta
 
@@ -11,7 +13,7 @@ from mavstack.http.bodies import MAX_BODY
 from mavstack.http.request_fields import Fields
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 
 
 WaitField: TypeAlias = Annotated[
@@ -31,6 +33,8 @@ class Wait(Fields):
 
 BodyT = TypeVar("BodyT")
 QueryT = TypeVar("QueryT")
+RouteT = TypeVar("RouteT", bound="Route[Any, Any]")
+Handler = TypeVar("Handler", bound="Callable[[Any], Awaitable[Any]]")
 #: The media type of an answer that repeats the stored answer of another route.
 ANY_MEDIA_TYPE: Final = "*/*"
 
@@ -77,3 +81,56 @@ class Route(Generic[BodyT, QueryT]):
     def is_long(self) -> bool:
         """True if the work may run on as a task, with `wait=false`."""
         return "wait" in getattr(self.query, "__struct_fields__", ())
+
+
+class RouteTable(Generic[RouteT]):
+    """The routes of one subject, in the order of their declarations; a handler declares its route.
+
+    Args:
+        kind: Makes a route from the fields of `Route` and the handler.
+        tag: The group of the routes in the documentation.
+    """
+
+    def __init__(self, kind: Callable[..., RouteT], tag: str) -> None:
+        self._kind, self._tag = kind, tag
+        self._routes: list[RouteT] = []
+
+    def __iter__(self) -> Iterator[RouteT]:
+        return iter(self._routes)
+
+    def extend(self, routes: Iterable[RouteT]) -> None:
+        """Add routes whose handlers are not declared by name."""
+        self._routes.extend(routes)
+
+    def add(
+        self, method: str, path: str, summary: str | None = None, **details: object
+    ) -> Callable[[Handler], Handler]:
+        """Declare the route of the handler that follows.
+
+        The models of its body and its query are the parameters of the type of the call that it takes.
+
+        Args:
+            method: The HTTP method.
+            path: The path, with names in braces.
+            summary: One line about it; None: the first line of the model of the body.
+            details: Further fields of the route; they replace those that follow from the handler.
+
+        Returns:
+            A decorator, which returns the handler.
+        """
+
+        def declare(handler: Handler) -> Handler:
+            call = next(iter(get_annotations(handler, eval_str=True).values()))
+            models = [*get_args(call), NoneType]
+            body, query = (None if model is NoneType else model for model in models[:2])
+            text = summary_of(models[0]) if summary is None else summary
+            found = {"tag": self._tag, "body": body, "query": query, "handler": handler, **details}
+            self._routes.append(self._kind(method=method, path=path, summary=text, **found))
+            return handler
+
+        return declare
+
+
+def summary_of(model: type) -> str:
+    """Return the summary of a request: the first line of its model's description."""
+    return (model.__doc__ or "").partition("\n")[0].rstrip(".")

@@ -11,7 +11,7 @@ from msgspec import Meta, Struct, to_builtins
 from mavstack.errors import LinkURLError
 from mavstack.http.bodies import RefusedError
 from mavstack.http.openapi import Api
-from mavstack.http.routes import BodyT, Route
+from mavstack.http.routes import BodyT, Route, RouteTable
 from mavstack.links import parse_url
 from mavstack.links.client_urls import is_network_scheme, options_with_paths
 from mavstack.router.config import endpoint_from_values
@@ -98,14 +98,33 @@ API: Final = Api(
 )
 
 
+_ONE: Final = "/endpoints/{name}"
+_CHANGED: Final = {"name": "ground"}
+ROUTES: Final[RouteTable[ControlRoute[Any]]] = RouteTable(ControlRoute, "endpoints")
+
+
+@ROUTES.add(
+    "GET",
+    "/endpoints",
+    "List the endpoints, with their counters",
+    answer=[{"name": "ground", "state": "open"}],
+)
 async def _list(call: ControlCall[None]) -> list[dict[str, Any]]:
     return [endpoint_values(each) for each in take_snapshot(call.router).endpoints]
 
 
+@ROUTES.add(
+    "GET",
+    "/routes",
+    "List the learned addresses, and where they are",
+    tag="router",
+    answer=[{"system": 1, "component": 1, "endpoints": ["ground"]}],
+)
 async def _list_addresses(call: ControlCall[None]) -> list[dict[str, Any]]:
     return [asdict(each) for each in take_snapshot(call.router).routes]
 
 
+@ROUTES.add("POST", "/endpoints", "Add an endpoint", status=201, answer=_CHANGED, answer_model=Changed)
 async def _add(call: ControlCall[AddEndpoint]) -> Changed:
     values = to_builtins(call.body)
     name = values.pop("name")
@@ -113,6 +132,7 @@ async def _add(call: ControlCall[AddEndpoint]) -> Changed:
     return Changed(name)
 
 
+@ROUTES.add("PATCH", _ONE, "Change keys of an endpoint", answer=_CHANGED, answer_model=Changed)
 async def _change(call: ControlCall[ChangeEndpoint]) -> Changed:
     present = call.endpoint
     values = {**values_of(present), **to_builtins(call.body)}
@@ -120,21 +140,44 @@ async def _change(call: ControlCall[ChangeEndpoint]) -> Changed:
     return Changed(call.name)
 
 
+@ROUTES.add("DELETE", _ONE, "Remove an endpoint", answer=_CHANGED, answer_model=Changed)
 async def _remove(call: ControlCall[None]) -> Changed:
     await call.router.remove(call.endpoint.name)
     return Changed(call.name)
 
 
+@ROUTES.add(
+    "POST",
+    f"{_ONE}/pause",
+    "Pause an endpoint",
+    answer={"name": "ground", "pause": True},
+    answer_model=Paused,
+)
 async def _pause(call: ControlCall[None]) -> Paused:
     await call.router.pause(call.endpoint.name, paused=True)
     return Paused(call.name, pause=True)
 
 
+@ROUTES.add(
+    "POST",
+    f"{_ONE}/resume",
+    "Let an endpoint continue",
+    answer={"name": "ground", "pause": False},
+    answer_model=Paused,
+)
 async def _resume(call: ControlCall[None]) -> Paused:
     await call.router.pause(call.endpoint.name, paused=False)
     return Paused(call.name, pause=False)
 
 
+@ROUTES.add(
+    "POST",
+    "/reload",
+    "Read the configuration file again",
+    tag="router",
+    answer={"notes": []},
+    answer_model=Reloaded,
+)
 async def _reload(call: ControlCall[None]) -> Reloaded:
     if call.reload is None:
         raise RefusedError(409, "the router was started without a configuration file")
@@ -161,83 +204,3 @@ def _refuse_paths(url: object) -> None:
         if isinstance(url, str) and (named := options_with_paths(parse_url(url))):
             problem = "without control_token no file can be named"
             raise RefusedError(403, f"{problem}: leave out {', '.join(named)}")
-
-
-_ONE: Final = "/endpoints/{name}"
-_CHANGED: Final = {"name": "ground"}
-
-ROUTES: Final[tuple[ControlRoute[Any], ...]] = (
-    ControlRoute(
-        method="GET",
-        path="/endpoints",
-        summary="List the endpoints, with their counters",
-        tag="endpoints",
-        handler=_list,
-        answer=[{"name": "ground", "state": "open"}],
-    ),
-    ControlRoute(
-        method="POST",
-        path="/endpoints",
-        summary="Add an endpoint",
-        tag="endpoints",
-        handler=_add,
-        body=AddEndpoint,
-        status=201,
-        answer=_CHANGED,
-        answer_model=Changed,
-    ),
-    ControlRoute(
-        method="PATCH",
-        path=_ONE,
-        summary="Change keys of an endpoint",
-        tag="endpoints",
-        handler=_change,
-        body=ChangeEndpoint,
-        answer=_CHANGED,
-        answer_model=Changed,
-    ),
-    ControlRoute(
-        method="DELETE",
-        path=_ONE,
-        summary="Remove an endpoint",
-        tag="endpoints",
-        handler=_remove,
-        answer=_CHANGED,
-        answer_model=Changed,
-    ),
-    ControlRoute(
-        method="POST",
-        path=f"{_ONE}/pause",
-        summary="Pause an endpoint",
-        tag="endpoints",
-        handler=_pause,
-        answer={"name": "ground", "pause": True},
-        answer_model=Paused,
-    ),
-    ControlRoute(
-        method="POST",
-        path=f"{_ONE}/resume",
-        summary="Let an endpoint continue",
-        tag="endpoints",
-        handler=_resume,
-        answer={"name": "ground", "pause": False},
-        answer_model=Paused,
-    ),
-    ControlRoute(
-        method="GET",
-        path="/routes",
-        summary="List the learned addresses, and where they are",
-        tag="router",
-        handler=_list_addresses,
-        answer=[{"system": 1, "component": 1, "endpoints": ["ground"]}],
-    ),
-    ControlRoute(
-        method="POST",
-        path="/reload",
-        summary="Read the configuration file again",
-        tag="router",
-        handler=_reload,
-        answer={"notes": []},
-        answer_model=Reloaded,
-    ),
-)

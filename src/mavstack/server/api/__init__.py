@@ -1,1 +1,1 @@
-"""The routes of the API, one module per subject; each has a tuple `ROUTES`."""
+"""The routes of the API, one module per subject; each has a table `ROUTES`."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 from msgspec import Meta, Struct
 
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import Wait, summary_of
 from mavstack.security.roles import Role
 from mavstack.server.api_route import ApiRoute, Call
 from mavstack.server.request_types import Timeout
@@ -78,8 +78,3 @@ def action_route(name: str, action: type[Action], role: Role = Role.OPERATE) -> 
         answer={"system": 1, "action": name, "state": "done"},
         answer_model=ActionAnswer,
     )
-
-
-def summary_of(model: type[Fields]) -> str:
-    """Return the summary of a request: the first line of its model's description."""
-    return (model.__doc__ or "").partition("\n")[0].rstrip(".")

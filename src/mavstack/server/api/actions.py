@@ -10,9 +10,9 @@ from msgspec.structs import asdict
 from mavstack.dialects import ardupilotmega, common
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role, allows
-from mavstack.server.api.action_route import Action, action_route, summary_of
+from mavstack.server.api.action_route import Action, action_route
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
 from mavstack.server.request_types import Degrees90, Degrees180, Latitude, Longitude, Text, Timeout
@@ -298,6 +298,15 @@ class SendCommand(Fields):
     timeout: Timeout = None
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "actions")
+
+
+@ROUTES.add(
+    "POST",
+    "/api/vehicles/{system}/command",
+    role=Role.OPERATE,
+    answer={"system": 1, "command": 181, "result": {"result": "ACCEPTED"}},
+)
 async def _command(call: Call[SendCommand, Wait]) -> dict[str, Any]:
     vehicle, body = call.vehicle, call.body
     number = command_number(vehicle, body.command)
@@ -337,20 +346,9 @@ def _params(values: Sequence[float | None]) -> list[float]:
     return [float("nan") if each is None else each for each in values]
 
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    *(
+ROUTES.extend(
+    (
         action_route(name, action, Role.ADMINISTER if action in _ADMINISTRATIVE else Role.OPERATE)
         for name, action in ACTIONS.items()
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/vehicles/{system}/command",
-        handler=_command,
-        summary=summary_of(SendCommand),
-        tag="actions",
-        role=Role.OPERATE,
-        body=SendCommand,
-        query=Wait,
-        answer={"system": 1, "command": 181, "result": {"result": "ACCEPTED"}},
-    ),
+    )
 )

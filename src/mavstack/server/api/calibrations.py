@@ -15,7 +15,7 @@ from starlette.requests import ClientDisconnect
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import NoFields, Wait
+from mavstack.http.routes import NoFields, RouteTable, Wait
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.calibrations import step_json
@@ -41,6 +41,32 @@ class Calibrate(Fields):
     timeout: Timeout = None
 
 
+_STEP: Final[dict[str, Any]] = {
+    "kind": "accelerometer",
+    "task": "place",
+    "text": "Place the vehicle on its left side.",
+    "pose": "on its left side",
+    "pending": [],
+    "progress": None,
+    "needs_confirmation": True,
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "calibrations")
+
+
+@ROUTES.add(
+    "GET",
+    _ALL,
+    "List the calibrations that a vehicle has",
+    answer=[
+        {
+            "kind": "accelerometer",
+            "needs_confirmation": True,
+            "can_cancel": False,
+            "running": True,
+            "step": _STEP,
+        }
+    ],
+)
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     vehicle = call.vehicle
     running = call.station.calibrations.session(vehicle.system)
@@ -56,6 +82,13 @@ async def _list(call: PlainCall) -> list[dict[str, Any]]:
     ]
 
 
+@ROUTES.add(
+    "POST",
+    _ONE,
+    "Calibrate a sensor, the radio control or the motors",
+    role=Role.ADMINISTER,
+    answer={"system": 1, "kind": "accelerometer", "reboot_needed": True, "compasses": [], "channels": {}},
+)
 async def _run(call: Call[Calibrate, Wait]) -> dict[str, Any]:
     def report(step: dict[str, Any]) -> None:
         if call.task is not None:
@@ -89,12 +122,26 @@ async def _disconnected(request: Request) -> None:
         pass
 
 
+@ROUTES.add(
+    "POST",
+    f"{_ONE}/confirm",
+    "Confirm that the task of the step is done",
+    role=Role.ADMINISTER,
+    answer={"system": 1, "kind": "accelerometer", "step": _STEP},
+)
 async def _confirm(call: Call[NoFields, None]) -> dict[str, Any]:
     session = _session(call)
     await session.confirm()
     return {"system": call.vehicle.system, "kind": str(session.kind), "step": step_json(session)}
 
 
+@ROUTES.add(
+    "DELETE",
+    _ONE,
+    "Cancel a calibration",
+    role=Role.ADMINISTER,
+    answer={"system": 1, "kind": "compass", "cancelled": True},
+)
 async def _cancel(call: PlainCall) -> dict[str, Any]:
     kind = _kind(call)
     await call.station.calibrations.cancel(call.vehicle, kind)
@@ -114,63 +161,3 @@ def _session(call: Call[Any, Any]) -> CalibrationSession:
     if session is None:
         raise RefusedError(409, f"no {_kind(call)} calibration of vehicle {call.vehicle.system} runs")
     return session
-
-
-_STEP: Final[dict[str, Any]] = {
-    "kind": "accelerometer",
-    "task": "place",
-    "text": "Place the vehicle on its left side.",
-    "pose": "on its left side",
-    "pending": [],
-    "progress": None,
-    "needs_confirmation": True,
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_ALL,
-        handler=_list,
-        summary="List the calibrations that a vehicle has",
-        tag="calibrations",
-        answer=[
-            {
-                "kind": "accelerometer",
-                "needs_confirmation": True,
-                "can_cancel": False,
-                "running": True,
-                "step": _STEP,
-            }
-        ],
-    ),
-    ApiRoute(
-        method="POST",
-        path=_ONE,
-        handler=_run,
-        summary="Calibrate a sensor, the radio control or the motors",
-        tag="calibrations",
-        role=Role.ADMINISTER,
-        body=Calibrate,
-        query=Wait,
-        answer={"system": 1, "kind": "accelerometer", "reboot_needed": True, "compasses": [], "channels": {}},
-    ),
-    ApiRoute(
-        method="POST",
-        path=f"{_ONE}/confirm",
-        handler=_confirm,
-        summary="Confirm that the task of the step is done",
-        tag="calibrations",
-        role=Role.ADMINISTER,
-        body=NoFields,
-        answer={"system": 1, "kind": "accelerometer", "step": _STEP},
-    ),
-    ApiRoute(
-        method="DELETE",
-        path=_ONE,
-        handler=_cancel,
-        summary="Cancel a calibration",
-        tag="calibrations",
-        role=Role.ADMINISTER,
-        answer={"system": 1, "kind": "compass", "cancelled": True},
-    ),
-)

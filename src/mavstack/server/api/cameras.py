@@ -10,9 +10,8 @@ from mavstack.dialects import common
 from mavstack.errors import MavstackError, RemoteTimeout
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait, summary_of
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.camera_actions import ACTIONS, ADMINISTRATIVE, CameraAction
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
@@ -61,6 +60,41 @@ class CamerasQuery(Wait):
     )
 
 
+_SETTINGS_EXAMPLE: Final = {
+    "settings": [
+        {
+            "name": "CAM_MODE",
+            "description": "Camera mode",
+            "value": 0,
+            "options": {"Photo": 0, "Video": 1},
+            "minimum": None,
+            "maximum": None,
+            "step": None,
+            "unit": "",
+            "readonly": False,
+            "is_bool": False,
+            "available": True,
+        }
+    ]
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "cameras")
+
+
+@ROUTES.add(
+    "GET",
+    _CAMERAS,
+    "List the cameras of a vehicle and their video streams",
+    answer=[
+        {
+            "id": 100,
+            "component": 100,
+            "information": {"vendor": "Mavstack", "model": "Simulated camera"},
+            "status": None,
+            "capture": None,
+            "streams": [{"id": 1, "uri": "rtsp://192.168.1.10:554/live", "type": "RTSP"}],
+        }
+    ],
+)
 async def _list(call: Call[None, CamerasQuery]) -> list[dict[str, Any]]:
     """Ask for the cameras; one that does not answer is shown as far as it is known."""
     vehicle = call.vehicle
@@ -159,6 +193,12 @@ def settings_json(camera: Camera) -> dict[str, Any]:
     }
 
 
+@ROUTES.add(
+    "GET",
+    f"{_CAMERA}/settings",
+    "Download the settings of a camera, with their options",
+    answer=_SETTINGS_EXAMPLE,
+)
 async def _settings(call: Call[None, CamerasQuery]) -> dict[str, Any]:
     """Load the definition and the values once; `cached` answers with the values of now."""
     camera = _camera(call)
@@ -167,6 +207,13 @@ async def _settings(call: Call[None, CamerasQuery]) -> dict[str, Any]:
     return settings_json(camera)
 
 
+@ROUTES.add(
+    "PUT",
+    f"{_CAMERA}/settings/{{name}}",
+    path_examples={"name": "CAM_MODE"},
+    role=Role.OPERATE,
+    answer=_SETTINGS_EXAMPLE,
+)
 async def _set_setting(call: Call[CameraSetting, None]) -> dict[str, Any]:
     camera, value = _camera(call), call.body.value
     if isinstance(value, float) and value.is_integer():
@@ -175,62 +222,4 @@ async def _set_setting(call: Call[CameraSetting, None]) -> dict[str, Any]:
     return settings_json(camera)
 
 
-_SETTINGS_EXAMPLE: Final = {
-    "settings": [
-        {
-            "name": "CAM_MODE",
-            "description": "Camera mode",
-            "value": 0,
-            "options": {"Photo": 0, "Video": 1},
-            "minimum": None,
-            "maximum": None,
-            "step": None,
-            "unit": "",
-            "readonly": False,
-            "is_bool": False,
-            "available": True,
-        }
-    ]
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_CAMERAS,
-        handler=_list,
-        summary="List the cameras of a vehicle and their video streams",
-        tag="cameras",
-        query=CamerasQuery,
-        answer=[
-            {
-                "id": 100,
-                "component": 100,
-                "information": {"vendor": "Mavstack", "model": "Simulated camera"},
-                "status": None,
-                "capture": None,
-                "streams": [{"id": 1, "uri": "rtsp://192.168.1.10:554/live", "type": "RTSP"}],
-            }
-        ],
-    ),
-    *(_route(name, action) for name, action in ACTIONS.items()),
-    ApiRoute(
-        method="GET",
-        path=f"{_CAMERA}/settings",
-        handler=_settings,
-        summary="Download the settings of a camera, with their options",
-        tag="cameras",
-        query=CamerasQuery,
-        answer=_SETTINGS_EXAMPLE,
-    ),
-    ApiRoute(
-        method="PUT",
-        path=f"{_CAMERA}/settings/{{name}}",
-        path_examples={"name": "CAM_MODE"},
-        handler=_set_setting,
-        summary=summary_of(CameraSetting),
-        tag="cameras",
-        role=Role.OPERATE,
-        body=CameraSetting,
-        answer=_SETTINGS_EXAMPLE,
-    ),
-)
+ROUTES.extend((_route(name, action) for name, action in ACTIONS.items()))

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 from msgspec import Meta
 
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.events import EventsQuery, EventStream
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.conflict_json import conflict_json
@@ -49,12 +48,22 @@ class Renumber(Fields):
     timeout: Timeout = None
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "vehicles")
+
+
+@ROUTES.add("POST", f"{_SYSTEM}/sender", role=Role.OPERATE, answer={"system": 1, "conflict": None})
 async def _choose(call: Call[ChooseSender, None]) -> dict[str, Any]:
     vehicle = call.vehicle
     vehicle.choose_sender(call.body.channel)
     return {"system": vehicle.system, "conflict": conflict_json(vehicle)}
 
 
+@ROUTES.add(
+    "POST",
+    f"{_SYSTEM}/renumber",
+    role=Role.ADMINISTER,
+    answer={"system": 1, "id": 2, "parameter": "SYSID_THISMAV", "rebooted": True},
+)
 async def _renumber(call: Call[Renumber, Wait]) -> dict[str, Any]:
     vehicle, body = call.vehicle, call.body
     if body.channel is not None:
@@ -68,10 +77,24 @@ async def _renumber(call: Call[Renumber, Wait]) -> dict[str, Any]:
     }
 
 
+@ROUTES.add(
+    "GET",
+    "/api/identity-parameters",
+    "List the parameters that identify a vehicle; no file should set them",
+    tag="parameters",
+    answer={"names": list(ALL_IDENTITY_PARAMETERS)},
+)
 async def _identity(_call: PlainCall) -> dict[str, Any]:
     return {"names": list(ALL_IDENTITY_PARAMETERS)}
 
 
+@ROUTES.add(
+    "GET",
+    "/api/events",
+    "Follow the events of the vehicles, such as found, lost, rebooted, system id conflict",
+    media_type="text/event-stream",
+    answer='data: {"type": "VehicleLost", "system": 1, "time": 1.0, "text": "…", "conflict": null}\n\n',
+)
 async def _events(call: Call[None, EventsQuery]) -> EventStream:
     return EventStream(_event_lines(call))
 
@@ -92,46 +115,3 @@ async def _event_lines(call: Call[None, EventsQuery]) -> AsyncIterator[str]:
             sent += 1
             if sent == count:
                 return
-
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="POST",
-        path=f"{_SYSTEM}/sender",
-        handler=_choose,
-        summary=summary_of(ChooseSender),
-        tag="vehicles",
-        role=Role.OPERATE,
-        body=ChooseSender,
-        answer={"system": 1, "conflict": None},
-    ),
-    ApiRoute(
-        method="POST",
-        path=f"{_SYSTEM}/renumber",
-        handler=_renumber,
-        summary=summary_of(Renumber),
-        tag="vehicles",
-        role=Role.ADMINISTER,
-        body=Renumber,
-        query=Wait,
-        answer={"system": 1, "id": 2, "parameter": "SYSID_THISMAV", "rebooted": True},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/identity-parameters",
-        handler=_identity,
-        summary="List the parameters that identify a vehicle; no file should set them",
-        tag="parameters",
-        answer={"names": list(ALL_IDENTITY_PARAMETERS)},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/events",
-        handler=_events,
-        summary="Follow the events of the vehicles, such as found, lost, rebooted, system id conflict",
-        tag="vehicles",
-        query=EventsQuery,
-        media_type="text/event-stream",
-        answer='data: {"type": "VehicleLost", "system": 1, "time": 1.0, "text": "…", "conflict": null}\n\n',
-    ),
-)

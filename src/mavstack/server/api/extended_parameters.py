@@ -9,9 +9,8 @@ from msgspec import Meta
 from mavstack.dialects import common
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.json_values import to_json
 from mavstack.server.request_types import Text
@@ -49,6 +48,11 @@ def _params(call: Call[Any, Any]) -> ExtendedParams:
     return vehicle.connection.component(vehicle.system, int(text)).extended_params
 
 
+_EXAMPLE: Final = {"name": "CAM_MODE", "value": 0, "type": "UINT32"}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "parameters")
+
+
+@ROUTES.add("GET", _ALL, "Download the extended parameters of a component", answer={"parameters": [_EXAMPLE]})
 async def _list(call: Call[None, Wait]) -> dict[str, Any]:
     params = _params(call)
     subject = f"extended parameters of {call.path('component')}"
@@ -56,36 +60,17 @@ async def _list(call: Call[None, Wait]) -> dict[str, Any]:
     return {"parameters": [extended_json(found[name]) for name in sorted(found)]}
 
 
+@ROUTES.add(
+    "PUT",
+    f"{_ALL}/{{name}}",
+    path_examples={"name": "CAM_MODE"},
+    role=Role.ADMINISTER,
+    writes=True,
+    answer=_EXAMPLE,
+)
 async def _set(call: Call[SetExtendedParameter, None]) -> dict[str, Any]:
     params, name, value = _params(call), call.path("name"), call.body.value
     before = await params.get(name)
     if isinstance(before.value, int) and isinstance(value, float) and value.is_integer():
         value = int(value)
     return extended_json(await params.set(name, value))
-
-
-_EXAMPLE: Final = {"name": "CAM_MODE", "value": 0, "type": "UINT32"}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_ALL,
-        handler=_list,
-        summary="Download the extended parameters of a component",
-        tag="parameters",
-        query=Wait,
-        answer={"parameters": [_EXAMPLE]},
-    ),
-    ApiRoute(
-        method="PUT",
-        path=f"{_ALL}/{{name}}",
-        path_examples={"name": "CAM_MODE"},
-        handler=_set,
-        summary=summary_of(SetExtendedParameter),
-        tag="parameters",
-        role=Role.ADMINISTER,
-        writes=True,
-        body=SetExtendedParameter,
-        answer=_EXAMPLE,
-    ),
-)

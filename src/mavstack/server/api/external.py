@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias, cast
+from typing import Annotated, Any, Final, TypeAlias, cast
 
 from msgspec import Meta, Struct, defstruct
 
 from mavstack.http.request_fields import Fields
+from mavstack.http.routes import RouteTable
 from mavstack.security.roles import Role
-from mavstack.server.api_route import AnyRoute, ApiRoute, Call
+from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.vehicle.external.records import KINDS, arguments_of, send_record
-
-if TYPE_CHECKING:
-    from mavstack.server.api_route import PlainCall
 
 _PATH: Final = "/api/vehicles/{system}/external"
 #: Kinds that need only the role `operate`: a target to follow is part of a flight. The other kinds give the
@@ -61,6 +59,22 @@ class EstimatorUse(Struct):
     delay_s: float | None
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "vehicles")
+
+
+@ROUTES.add(
+    "GET",
+    _PATH,
+    "Find out whether the estimator of a vehicle uses external estimates",
+    answer={
+        "used": False,
+        "reasons": ["VISO_TYPE is 0: set it to 1 (MAVLink), and reboot"],
+        "sent": 0,
+        "rate_hz": 0.0,
+        "delay_s": None,
+    },
+    answer_model=EstimatorUse,
+)
 async def _check(call: PlainCall) -> EstimatorUse:
     external = call.vehicle.external
     parts = frozenset() if external.monitor.rate(external.vehicle.component.now()) else _PARTS
@@ -102,21 +116,4 @@ def _route(kind: str) -> AnyRoute:
     )
 
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_PATH,
-        handler=_check,
-        summary="Find out whether the estimator of a vehicle uses external estimates",
-        tag="vehicles",
-        answer={
-            "used": False,
-            "reasons": ["VISO_TYPE is 0: set it to 1 (MAVLink), and reboot"],
-            "sent": 0,
-            "rate_hz": 0.0,
-            "delay_s": None,
-        },
-        answer_model=EstimatorUse,
-    ),
-    *map(_route, KINDS),
-)
+ROUTES.extend(map(_route, KINDS))

@@ -15,7 +15,7 @@ from mavstack.flashing.json_text import board_json, file_json, result_json
 from mavstack.flashing.ports import has_modem_manager
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Text
@@ -106,6 +106,36 @@ class FlashAnswer(Struct):
     notes: list[str]
 
 
+_FACTS: Final = {
+    "kind": "px4",
+    "name": "PX4FMUv5",
+    "version": "v1.15.4",
+    "board": 50,
+    "size": 1958400,
+    "external_size": 0,
+    "max_size": 2064384,
+    "signed": False,
+    "usb": [],
+}
+_RESULT: Final = {
+    "board": "board 50, Pixhawk 4 (FMUv5)",
+    "dry_run": False,
+    "written": 1958400,
+    "attempts": 1,
+    "parameters": {"file": "…-restored.params", "set": 3, "unchanged": 1021, "failed": []},
+    "notes": [],
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "firmware")
+
+
+@ROUTES.add(
+    "GET",
+    "/api/firmware/ports",
+    "List the serial ports of the station, with the boards at them",
+    role=Role.ADMINISTER,
+    answer={"ports": [], "modem_manager": False, "tools": {"dfu-util": True, "esptool": False}},
+    answer_model=Ports,
+)
 async def _ports(_: PlainCall) -> dict[str, Any]:
     found = await asyncio.to_thread(list_ports)
     return {
@@ -115,10 +145,27 @@ async def _ports(_: PlainCall) -> dict[str, Any]:
     }
 
 
+@ROUTES.add(
+    "POST",
+    "/api/firmware/check",
+    "Check a firmware file, and show for which board it is",
+    role=Role.ADMINISTER,
+    takes_bytes=True,
+    max_body=MAX_FILE_SIZE,
+    answer=_FACTS,
+    answer_model=FirmwareFacts,
+)
 async def _check(call: Call[None, FileQuery]) -> dict[str, Any]:
     return file_json(await _firmware(call, call.query.name))
 
 
+@ROUTES.add(
+    "GET",
+    "/api/firmware/board",
+    "Show the board that is in its bootloader at a port",
+    role=Role.ADMINISTER,
+    answer={"board": 50, "name": "board 50, Pixhawk 4 (FMUv5)", "flash_size": 2064384},
+)
 async def _board(call: Call[None, PortQuery]) -> dict[str, Any]:
     board = await call.station.flasher.identify(call.query.port)
     if board is None:
@@ -126,6 +173,16 @@ async def _board(call: Call[None, PortQuery]) -> dict[str, Any]:
     return board_json(board)
 
 
+@ROUTES.add(
+    "POST",
+    "/api/firmware/flash",
+    "Check a firmware, and write it to the device at a port",
+    role=Role.ADMINISTER,
+    takes_bytes=True,
+    max_body=MAX_FILE_SIZE,
+    answer=_RESULT,
+    answer_model=FlashAnswer,
+)
 async def _flash(call: Call[None, FlashQuery]) -> dict[str, Any]:
     query = call.query
     firmware = await _firmware(call, query.name)
@@ -154,73 +211,3 @@ class _Report:
         if self._task is not None:
             self._task.report(done, total)
             self._task.report_step({"phase": str(phase)})
-
-
-_FACTS: Final = {
-    "kind": "px4",
-    "name": "PX4FMUv5",
-    "version": "v1.15.4",
-    "board": 50,
-    "size": 1958400,
-    "external_size": 0,
-    "max_size": 2064384,
-    "signed": False,
-    "usb": [],
-}
-_RESULT: Final = {
-    "board": "board 50, Pixhawk 4 (FMUv5)",
-    "dry_run": False,
-    "written": 1958400,
-    "attempts": 1,
-    "parameters": {"file": "…-restored.params", "set": 3, "unchanged": 1021, "failed": []},
-    "notes": [],
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/firmware/ports",
-        handler=_ports,
-        summary="List the serial ports of the station, with the boards at them",
-        tag="firmware",
-        role=Role.ADMINISTER,
-        answer={"ports": [], "modem_manager": False, "tools": {"dfu-util": True, "esptool": False}},
-        answer_model=Ports,
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/firmware/board",
-        handler=_board,
-        summary="Show the board that is in its bootloader at a port",
-        tag="firmware",
-        role=Role.ADMINISTER,
-        query=PortQuery,
-        answer={"board": 50, "name": "board 50, Pixhawk 4 (FMUv5)", "flash_size": 2064384},
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/firmware/check",
-        handler=_check,
-        summary="Check a firmware file, and show for which board it is",
-        tag="firmware",
-        role=Role.ADMINISTER,
-        takes_bytes=True,
-        max_body=MAX_FILE_SIZE,
-        query=FileQuery,
-        answer=_FACTS,
-        answer_model=FirmwareFacts,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/firmware/flash",
-        handler=_flash,
-        summary="Check a firmware, and write it to the device at a port",
-        tag="firmware",
-        role=Role.ADMINISTER,
-        takes_bytes=True,
-        max_body=MAX_FILE_SIZE,
-        query=FlashQuery,
-        answer=_RESULT,
-        answer_model=FlashAnswer,
-    ),
-)

@@ -11,7 +11,7 @@ from mavstack.codegen import language, language_names
 from mavstack.dialects.tables import official_names
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import WaitField
+from mavstack.http.routes import RouteTable, WaitField
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.generator.work import Work
@@ -65,16 +65,45 @@ class GeneratorQuery(Form):
     wait: WaitField = True
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "generator")
+
+
+@ROUTES.add(
+    "GET",
+    "/api/generator",
+    "List the languages and dialects for which libraries are generated",
+    answer={"languages": [{"name": "c", "title": "C99"}], "dialects": ["common"]},
+)
 async def _show(_call: PlainCall) -> dict[str, Any]:
     languages = [{"name": name, "title": language(name).title} for name in language_names()]
     return {"languages": languages, "dialects": list(official_names())}
 
 
+@ROUTES.add(
+    "POST",
+    "/api/generator/check",
+    "Check the entries of the form: the problem of each, and the commands that do the same",
+    role=Role.OPERATE,
+    takes_bytes=True,
+    has_body=False,
+    max_body=MAX_DEFINITION,
+    answer={"problems": {}, "commands": ["mav gen c common -o mavlink"]},
+)
 async def _check(call: Call[None, Form]) -> dict[str, Any]:
     found = await _run(call, archive=False)
     return {"problems": found.problems, "commands": found.commands}
 
 
+@ROUTES.add(
+    "POST",
+    "/api/generator",
+    "Generate libraries, as a ZIP file; the body is a definition file, or empty",
+    role=Role.OPERATE,
+    takes_bytes=True,
+    has_body=False,
+    max_body=MAX_DEFINITION,
+    media_type="application/zip",
+)
 async def _generate(call: Call[None, GeneratorQuery]) -> Response:
     data = (await _run(call, archive=True)).archive
     headers = {"Content-Disposition": f'attachment; filename="{_FOLDER}.zip"'}
@@ -98,41 +127,3 @@ async def _run(call: Call[Any, Any], *, archive: bool) -> Generated:
         archive=archive,
     )
     return await call.station.generator.run(work, call.data)
-
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/generator",
-        handler=_show,
-        summary="List the languages and dialects for which libraries are generated",
-        tag="generator",
-        answer={"languages": [{"name": "c", "title": "C99"}], "dialects": ["common"]},
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/generator/check",
-        handler=_check,
-        summary="Check the entries of the form: the problem of each, and the commands that do the same",
-        tag="generator",
-        role=Role.OPERATE,
-        query=Form,
-        takes_bytes=True,
-        has_body=False,
-        max_body=MAX_DEFINITION,
-        answer={"problems": {}, "commands": ["mav gen c common -o mavlink"]},
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/generator",
-        handler=_generate,
-        summary="Generate libraries, as a ZIP file; the body is a definition file, or empty",
-        tag="generator",
-        role=Role.OPERATE,
-        query=GeneratorQuery,
-        takes_bytes=True,
-        has_body=False,
-        max_body=MAX_DEFINITION,
-        media_type="application/zip",
-    ),
-)

@@ -14,9 +14,8 @@ from msgspec import Meta
 from mavstack.errors import CommandDenied, MavstackError
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait, summary_of
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
 from mavstack.server.request_types import Degrees90, Degrees180, Latitude, Longitude, Timeout
@@ -49,6 +48,19 @@ def gimbal_json(vehicle: Vehicle, gimbal: Gimbal) -> dict[str, Any]:
     }
 
 
+_EXAMPLE: Final = {
+    "id": "1",
+    "manager": 1,
+    "device": 1,
+    "information": {"vendor": "Mavstack", "pitch_range": [-90.0, 30.0], "yaw_range": [-180.0, 180.0]},
+    "controlled_by": ["255/190"],
+    "in_control": True,
+    "attitude": {"pitch": -45.0, "yaw": 0.0, "heading": 90.0},
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "gimbals")
+
+
+@ROUTES.add("GET", _GIMBALS, "List the gimbals of a vehicle: ranges, control and attitude", answer=[_EXAMPLE])
 async def _list(call: Call[None, Wait]) -> list[dict[str, Any]]:
     vehicle = call.vehicle
     found = await call.read("gimbals", lambda: _find(vehicle))
@@ -65,6 +77,9 @@ async def _find(vehicle: Vehicle) -> tuple[Gimbal, ...]:
     return gimbals
 
 
+@ROUTES.add(
+    "GET", _GIMBAL, "Show a gimbal as far as it is known, without asking the vehicle", answer=_EXAMPLE
+)
 async def _show(call: PlainCall) -> dict[str, Any]:
     return gimbal_json(call.vehicle, _gimbal(call))
 
@@ -182,20 +197,6 @@ class KeepNothingInView(GimbalAction):
         await gimbal.clear_roi(timeout=self.timeout)
 
 
-#: The action at the end of each path.
-ACTIONS: Final[dict[str, type[GimbalAction]]] = {
-    "point": PointGimbal,
-    "turn": TurnGimbal,
-    "center": CenterGimbal,
-    "retract": RetractGimbal,
-    "control": TakeGimbal,
-    "control/release": ReleaseGimbal,
-    "roi": KeepInView,
-    "roi/vehicle": KeepVehicleInView,
-    "roi/clear": KeepNothingInView,
-}
-
-
 class GimbalQuery(Wait):
     """The query of an action of a gimbal."""
 
@@ -232,33 +233,17 @@ def _route(name: str, action: type[GimbalAction]) -> ApiRoute[GimbalAction, Gimb
     )
 
 
-_EXAMPLE: Final = {
-    "id": "1",
-    "manager": 1,
-    "device": 1,
-    "information": {"vendor": "Mavstack", "pitch_range": [-90.0, 30.0], "yaw_range": [-180.0, 180.0]},
-    "controlled_by": ["255/190"],
-    "in_control": True,
-    "attitude": {"pitch": -45.0, "yaw": 0.0, "heading": 90.0},
+#: The action at the end of each path.
+ACTIONS: Final[dict[str, type[GimbalAction]]] = {
+    "point": PointGimbal,
+    "turn": TurnGimbal,
+    "center": CenterGimbal,
+    "retract": RetractGimbal,
+    "control": TakeGimbal,
+    "control/release": ReleaseGimbal,
+    "roi": KeepInView,
+    "roi/vehicle": KeepVehicleInView,
+    "roi/clear": KeepNothingInView,
 }
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_GIMBALS,
-        handler=_list,
-        summary="List the gimbals of a vehicle: ranges, control and attitude",
-        tag="gimbals",
-        query=Wait,
-        answer=[_EXAMPLE],
-    ),
-    ApiRoute(
-        method="GET",
-        path=_GIMBAL,
-        handler=_show,
-        summary="Show a gimbal as far as it is known, without asking the vehicle",
-        tag="gimbals",
-        answer=_EXAMPLE,
-    ),
-    *(_route(name, action) for name, action in ACTIONS.items()),
-)
+ROUTES.extend((_route(name, action) for name, action in ACTIONS.items()))

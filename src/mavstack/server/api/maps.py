@@ -11,12 +11,11 @@ from starlette.responses import Response
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.maps import Area, Pace, Tile, TileServer
 from mavstack.maps.download import MAX_CONNECTIONS, MAX_RATE
 from mavstack.maps.tiles import MAX_ZOOM, check_zooms
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Latitude, Longitude, Text
 
@@ -112,10 +111,34 @@ class MapDownloaded(Struct):
     map: MapInfo
 
 
+_MAP: Final = {
+    "name": "field",
+    "format": "png",
+    "encoding": "",
+    "attribution": "© the owner of the tiles",
+    "area": {"south": 47.39, "west": 8.53, "north": 47.41, "east": 8.56},
+    "min_zoom": 10,
+    "max_zoom": 16,
+    "layers": [],
+    "tiles": 120,
+    "size": 2400000,
+}
+_PARTS: Final = {"name": "field", "zoom": 10, "x": 536, "y": 358}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "maps")
+
+
+@ROUTES.add("GET", "/api/maps", "List the maps of the station", answer=[_MAP], answer_model=list[MapInfo])
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return [asdict(facts) for facts in await asyncio.to_thread(call.station.maps.list)]
 
 
+@ROUTES.add(
+    "GET",
+    "/api/maps/{name}/{zoom}/{x}/{y}",
+    "Get a tile of a map; 204 where the map has none",
+    path_examples=_PARTS,
+    media_type="image/*",
+)
 async def _tile(call: PlainCall) -> Response:
     place = [_number(call.path(part)) for part in ("zoom", "x", "y")]
     tile = Tile(*place)
@@ -131,6 +154,21 @@ async def _tile(call: PlainCall) -> Response:
     return Response(data, media_type=next(kinds, _VECTORS), headers=headers)
 
 
+@ROUTES.add(
+    "POST",
+    "/api/maps/{name}/estimate",
+    path_examples={"name": "field"},
+    role=Role.ADMINISTER,
+    answer={
+        "tiles": 120,
+        "missing": 120,
+        "bytes": 2400000,
+        "seconds": 12.0,
+        "host": "tiles.example.org",
+        "terms": "the owner of the server decides whether areas may be downloaded, and how fast: …",
+    },
+    answer_model=MapEstimate,
+)
 async def _estimate(call: Call[EstimateMap, None]) -> dict[str, Any]:
     body = call.body
     server = TileServer(body.server)
@@ -140,6 +178,14 @@ async def _estimate(call: Call[EstimateMap, None]) -> dict[str, Any]:
     return {**asdict(estimate), "host": server.host, "terms": server.terms.text}
 
 
+@ROUTES.add(
+    "POST",
+    "/api/maps/{name}",
+    path_examples={"name": "field"},
+    role=Role.ADMINISTER,
+    answer={"tiles": 120, "present": 0, "added": 118, "absent": 2, "bytes": 2400000, "map": _MAP},
+    answer_model=MapDownloaded,
+)
 async def _download(call: Call[DownloadMap, Wait]) -> dict[str, Any]:
     body = call.body
     result, facts = await call.station.maps.download(
@@ -155,6 +201,14 @@ async def _download(call: Call[DownloadMap, Wait]) -> dict[str, Any]:
     return {**asdict(result), "map": asdict(facts)}
 
 
+@ROUTES.add(
+    "DELETE",
+    "/api/maps/{name}",
+    "Remove a map",
+    path_examples={"name": "field"},
+    role=Role.ADMINISTER,
+    answer={"removed": "field"},
+)
 async def _remove(call: PlainCall) -> dict[str, Any]:
     await asyncio.to_thread(call.station.maps.remove, call.path("name"))
     return {"removed": call.path("name")}
@@ -164,81 +218,3 @@ def _number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise RefusedError(404, f"the numbers of a tile must be integers, got {text[:20]!r}")
     return int(text)
-
-
-_MAP: Final = {
-    "name": "field",
-    "format": "png",
-    "encoding": "",
-    "attribution": "© the owner of the tiles",
-    "area": {"south": 47.39, "west": 8.53, "north": 47.41, "east": 8.56},
-    "min_zoom": 10,
-    "max_zoom": 16,
-    "layers": [],
-    "tiles": 120,
-    "size": 2400000,
-}
-_PARTS: Final = {"name": "field", "zoom": 10, "x": 536, "y": 358}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/maps",
-        handler=_list,
-        summary="List the maps of the station",
-        tag="maps",
-        answer=[_MAP],
-        answer_model=list[MapInfo],
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/maps/{name}/{zoom}/{x}/{y}",
-        path_examples=_PARTS,
-        handler=_tile,
-        summary="Get a tile of a map; 204 where the map has none",
-        tag="maps",
-        media_type="image/*",
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/maps/{name}/estimate",
-        path_examples={"name": "field"},
-        handler=_estimate,
-        summary=summary_of(EstimateMap),
-        tag="maps",
-        role=Role.ADMINISTER,
-        body=EstimateMap,
-        answer={
-            "tiles": 120,
-            "missing": 120,
-            "bytes": 2400000,
-            "seconds": 12.0,
-            "host": "tiles.example.org",
-            "terms": "the owner of the server decides whether areas may be downloaded, and how fast: …",
-        },
-        answer_model=MapEstimate,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/maps/{name}",
-        path_examples={"name": "field"},
-        handler=_download,
-        summary=summary_of(DownloadMap),
-        tag="maps",
-        role=Role.ADMINISTER,
-        body=DownloadMap,
-        query=Wait,
-        answer={"tiles": 120, "present": 0, "added": 118, "absent": 2, "bytes": 2400000, "map": _MAP},
-        answer_model=MapDownloaded,
-    ),
-    ApiRoute(
-        method="DELETE",
-        path="/api/maps/{name}",
-        path_examples={"name": "field"},
-        handler=_remove,
-        summary="Remove a map",
-        tag="maps",
-        role=Role.ADMINISTER,
-        answer={"removed": "field"},
-    ),
-)

@@ -9,8 +9,8 @@ from starlette.responses import Response
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
+from mavstack.http.routes import RouteTable
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.events import EventsQuery, EventStream
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.message_json import latest_json, message_class, message_of
@@ -42,6 +42,24 @@ class StreamQuery(EventsQuery):
     ] = None
 
 
+_EXAMPLE: Final = {
+    "message": "ATTITUDE",
+    "system": 1,
+    "component": 1,
+    "time": 1790000000.0,
+    "fields": {"time_boot_ms": 8000, "roll": 0.01, "pitch": -0.02, "yaw": 1.57},
+    "count": 500,
+    "rate": 10.0,
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "messages")
+
+
+@ROUTES.add(
+    "GET",
+    "/api/vehicles/{system}/messages",
+    "List the messages that a vehicle sends, with their rates",
+    answer=[{"message": "ATTITUDE", "id": 30, "component": 1, "count": 500, "rate": 10.0, "age": 0.05}],
+)
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     vehicle, now = call.vehicle, call.station.connection.now()
     found = [
@@ -58,6 +76,9 @@ async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return sorted(found, key=lambda each: (each["message"] or "", each["id"], each["component"]))
 
 
+@ROUTES.add(
+    "GET", "/api/vehicles/{system}/messages/{name}", "Show the latest message of a name", answer=_EXAMPLE
+)
 async def _show(call: Call[None, LatestQuery]) -> Response:
     vehicle, connection = call.vehicle, call.station.connection
     kind = message_class(connection.dialect, call.path("name"))
@@ -69,6 +90,13 @@ async def _show(call: Call[None, LatestQuery]) -> Response:
     return Response(text, headers={"Cache-Control": "no-store"}, media_type="application/json")
 
 
+@ROUTES.add(
+    "GET",
+    "/api/vehicles/{system}/messages/{name}/stream",
+    "Stream the messages of a name by server-sent events, each one as JSON",
+    media_type="text/event-stream",
+    answer='data: {"message": "ATTITUDE", …}',
+)
 async def _stream(call: Call[None, StreamQuery]) -> EventStream:
     vehicle, station, query = call.vehicle, call.station, call.query
     number = int(message_class(station.connection.dialect, call.path("name")).__mavlink_row__[0])
@@ -79,6 +107,7 @@ async def _stream(call: Call[None, StreamQuery]) -> EventStream:
     return EventStream(stream.events(station.packets))
 
 
+@ROUTES.add("POST", "/api/messages", answer={"message": "PING", "system": 255, "component": 190})
 async def _send(call: Call[SendMessage, None]) -> dict[str, Any]:
     connection, body = call.station.connection, call.body
     message = message_of(connection.dialect, body.message, body.fields, call.role)
@@ -89,53 +118,3 @@ async def _send(call: Call[SendMessage, None]) -> dict[str, Any]:
         "system": connection.address.system,
         "component": connection.address.component,
     }
-
-
-_EXAMPLE: Final = {
-    "message": "ATTITUDE",
-    "system": 1,
-    "component": 1,
-    "time": 1790000000.0,
-    "fields": {"time_boot_ms": 8000, "roll": 0.01, "pitch": -0.02, "yaw": 1.57},
-    "count": 500,
-    "rate": 10.0,
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/vehicles/{system}/messages",
-        handler=_list,
-        summary="List the messages that a vehicle sends, with their rates",
-        tag="messages",
-        answer=[{"message": "ATTITUDE", "id": 30, "component": 1, "count": 500, "rate": 10.0, "age": 0.05}],
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/vehicles/{system}/messages/{name}",
-        handler=_show,
-        summary="Show the latest message of a name",
-        tag="messages",
-        query=LatestQuery,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/vehicles/{system}/messages/{name}/stream",
-        handler=_stream,
-        summary="Stream the messages of a name by server-sent events, each one as JSON",
-        tag="messages",
-        query=StreamQuery,
-        media_type="text/event-stream",
-        answer='data: {"message": "ATTITUDE", …}',
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/messages",
-        handler=_send,
-        summary=summary_of(SendMessage),
-        tag="messages",
-        body=SendMessage,
-        answer={"message": "PING", "system": 255, "component": 190},
-    ),
-)

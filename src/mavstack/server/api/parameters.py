@@ -9,9 +9,9 @@ from msgspec import Meta, Struct
 from mavstack.dialects import common
 from mavstack.errors import RemoteDenied, RemoteProtocolError, RemoteTimeout
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import Action, action_route, summary_of
+from mavstack.server.api.action_route import Action, action_route
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
 
@@ -77,6 +77,17 @@ def parameter_json(parameter: Parameter, unsaved: Container[str]) -> dict[str, A
     }
 
 
+_EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32", "saved": True}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "parameters")
+
+
+@ROUTES.add(
+    "GET",
+    _ALL,
+    "Download all parameters",
+    answer={"parameters": [_EXAMPLE], "unsaved": []},
+    answer_model=Parameters,
+)
 async def _list(call: Call[None, ParametersQuery]) -> dict[str, Any]:
     params = call.vehicle.params
     cached = params.cached
@@ -87,6 +98,14 @@ async def _list(call: Call[None, ParametersQuery]) -> dict[str, Any]:
     return {"parameters": found, "unsaved": list(unsaved)}
 
 
+@ROUTES.add(
+    "GET",
+    _ONE,
+    "Read a parameter",
+    path_examples={"name": "RTL_ALT"},
+    answer=_EXAMPLE,
+    answer_model=ParameterValue,
+)
 async def _get(call: PlainCall) -> dict[str, Any]:
     params, name = call.vehicle.params, call.path("name")
     known = params.cached.get(name) if call.role is Role.OBSERVE else None
@@ -95,12 +114,27 @@ async def _get(call: PlainCall) -> dict[str, Any]:
     return parameter_json(known, params.unsaved)
 
 
+@ROUTES.add(
+    "PUT",
+    _ONE,
+    path_examples={"name": "RTL_ALT"},
+    role=Role.ADMINISTER,
+    writes=True,
+    answer=_EXAMPLE,
+    answer_model=ParameterValue,
+)
 async def _set(call: Call[SetParameter, None]) -> dict[str, Any]:
     body, params = call.body, call.vehicle.params
     found = await params.set(call.path("name"), body.value, check=body.check)
     return parameter_json(found, params.unsaved)
 
 
+@ROUTES.add(
+    "GET",
+    "/api/vehicles/{system}/parameter-metadata",
+    "Download descriptions, units and ranges of the parameters",
+    answer={"metadata": {"RTL_ALT": {"name": "RTL_ALT", "unit": "cm"}}, "problem": None},
+)
 async def _metadata(call: Call[None, Wait]) -> dict[str, Any]:
     params = call.vehicle.params
     table: MetadataTable = params.metadata
@@ -115,50 +149,4 @@ async def _metadata(call: Call[None, Wait]) -> dict[str, Any]:
     return {"metadata": {name: to_json(table[name]) for name in names if name in table}, "problem": None}
 
 
-_EXAMPLE: Final = {"name": "RTL_ALT", "value": 1500.0, "text": "1500", "type": "REAL32", "saved": True}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=_ALL,
-        handler=_list,
-        summary="Download all parameters",
-        tag="parameters",
-        query=ParametersQuery,
-        answer={"parameters": [_EXAMPLE], "unsaved": []},
-        answer_model=Parameters,
-    ),
-    ApiRoute(
-        method="GET",
-        path=_ONE,
-        path_examples={"name": "RTL_ALT"},
-        handler=_get,
-        summary="Read a parameter",
-        tag="parameters",
-        answer=_EXAMPLE,
-        answer_model=ParameterValue,
-    ),
-    ApiRoute(
-        method="PUT",
-        path=_ONE,
-        path_examples={"name": "RTL_ALT"},
-        handler=_set,
-        summary=summary_of(SetParameter),
-        tag="parameters",
-        role=Role.ADMINISTER,
-        writes=True,
-        body=SetParameter,
-        answer=_EXAMPLE,
-        answer_model=ParameterValue,
-    ),
-    action_route("commit-parameters", CommitParameters, Role.ADMINISTER),
-    ApiRoute(
-        method="GET",
-        path="/api/vehicles/{system}/parameter-metadata",
-        handler=_metadata,
-        summary="Download descriptions, units and ranges of the parameters",
-        tag="parameters",
-        query=Wait,
-        answer={"metadata": {"RTL_ALT": {"name": "RTL_ALT", "unit": "cm"}}, "problem": None},
-    ),
-)
+ROUTES.extend([action_route("commit-parameters", CommitParameters, Role.ADMINISTER)])

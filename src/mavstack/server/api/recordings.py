@@ -11,9 +11,8 @@ from msgspec import Meta
 from starlette.responses import FileResponse, HTMLResponse, Response, StreamingResponse
 
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import NoFields, Wait
+from mavstack.http.routes import NoFields, RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.recordings import NAME_PATTERN
 from mavstack.server.request_types import MAX_TEXT
@@ -54,18 +53,45 @@ class ReplayQuery(Wait):
     ] = "log"
 
 
+_EXAMPLE: Final = {
+    "name": "2026-11-23-101500.tlog",
+    "size": 51200,
+    "modified": 1790000000.0,
+    "running": True,
+    "packets": 800,
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "recordings")
+
+
+@ROUTES.add("GET", "/api/recordings", "List the recordings and logs of the station", answer=[_EXAMPLE])
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return await asyncio.to_thread(call.station.recordings.list)
 
 
+@ROUTES.add("POST", "/api/recordings", role=Role.OPERATE, status=201, answer=_EXAMPLE)
 async def _start(call: Call[StartRecording, None]) -> dict[str, Any]:
     return call.station.recordings.start(call.body.name)
 
 
+@ROUTES.add(
+    "POST",
+    "/api/recordings/{name}/stop",
+    "End a recording",
+    path_examples={"name": "flight.tlog"},
+    role=Role.OPERATE,
+    answer=_EXAMPLE | {"running": False, "packets": None},
+)
 async def _stop(call: Call[NoFields, None]) -> dict[str, Any]:
     return call.station.recordings.stop(call.path("name"))
 
 
+@ROUTES.add(
+    "GET",
+    "/api/recordings/{name}",
+    "Download a recording",
+    path_examples={"name": "flight.tlog"},
+    media_type=_BYTES,
+)
 async def _download(call: PlainCall) -> Response:
     recordings, name = call.station.recordings, call.path("name")
     path = recordings.path(name)
@@ -88,6 +114,9 @@ def _chunks(path: Path, size: int) -> Iterator[bytes]:
             yield data
 
 
+@ROUTES.add(
+    "GET", "/api/reports/{log}", "Show the report page of a recording or a log", media_type="text/html"
+)
 async def _report(call: Call[None, Wait]) -> Response:
     path = call.station.recordings.path(call.path("log"))
     page = await asyncio.to_thread(_report_page, path)
@@ -101,11 +130,27 @@ def _report_page(path: Path) -> str:
     return make_report(open_log(path)).html
 
 
+@ROUTES.add(
+    "GET",
+    "/api/replays/{log}",
+    "Show the flight of a recording or a log as a tlog, whatever its format",
+    path_examples={"log": "flight.BIN"},
+    media_type=_BYTES,
+)
 async def _replay(call: Call[None, Wait]) -> Response:
     path = call.station.recordings.path(call.path("log"))
     return _replay_file(await asyncio.to_thread(_replay_of, path), path.name)
 
 
+@ROUTES.add(
+    "POST",
+    "/api/replays",
+    "Show the flight of a log that is sent as a tlog, whatever its format",
+    role=Role.OPERATE,
+    takes_bytes=True,
+    max_body=MAX_REPLAY,
+    media_type=_BYTES,
+)
 async def _replay_upload(call: Call[None, ReplayQuery]) -> Response:
     name = call.query.name
     return _replay_file(await asyncio.to_thread(_replay_of_bytes, call.data, name), name)
@@ -128,85 +173,3 @@ def _replay_of_bytes(data: bytes, name: str) -> bytes:
 def _replay_file(data: bytes, name: str) -> Response:
     headers = {"Content-Disposition": f'attachment; filename="{Path(name).stem}.tlog"'}
     return Response(data, media_type=_BYTES, headers=headers)
-
-
-_EXAMPLE: Final = {
-    "name": "2026-11-23-101500.tlog",
-    "size": 51200,
-    "modified": 1790000000.0,
-    "running": True,
-    "packets": 800,
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/recordings",
-        handler=_list,
-        summary="List the recordings and logs of the station",
-        tag="recordings",
-        answer=[_EXAMPLE],
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/recordings",
-        handler=_start,
-        summary=summary_of(StartRecording),
-        tag="recordings",
-        role=Role.OPERATE,
-        body=StartRecording,
-        status=201,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/recordings/{name}/stop",
-        path_examples={"name": "flight.tlog"},
-        handler=_stop,
-        summary="End a recording",
-        tag="recordings",
-        role=Role.OPERATE,
-        body=NoFields,
-        answer=_EXAMPLE | {"running": False, "packets": None},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/recordings/{name}",
-        path_examples={"name": "flight.tlog"},
-        handler=_download,
-        summary="Download a recording",
-        tag="recordings",
-        media_type=_BYTES,
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/reports/{log}",
-        handler=_report,
-        summary="Show the report page of a recording or a log",
-        tag="recordings",
-        query=Wait,
-        media_type="text/html",
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/replays/{log}",
-        path_examples={"log": "flight.BIN"},
-        handler=_replay,
-        summary="Show the flight of a recording or a log as a tlog, whatever its format",
-        tag="recordings",
-        query=Wait,
-        media_type=_BYTES,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/replays",
-        handler=_replay_upload,
-        summary="Show the flight of a log that is sent as a tlog, whatever its format",
-        tag="recordings",
-        role=Role.OPERATE,
-        query=ReplayQuery,
-        takes_bytes=True,
-        max_body=MAX_REPLAY,
-        media_type=_BYTES,
-    ),
-)

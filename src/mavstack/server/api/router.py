@@ -6,9 +6,21 @@ import asyncio
 from typing import Any, Final
 
 from mavstack.http.bodies import RefusedError
+from mavstack.http.routes import RouteTable
 from mavstack.server.api_route import AnyRoute, ApiRoute, PlainCall
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "station")
 
+
+@ROUTES.add(
+    "GET",
+    "/api/router",
+    "Show the endpoints and the learned addresses of the router",
+    answer={
+        "endpoints": [{"name": "ground", "state": "open"}],
+        "routes": [{"system": 1, "component": 1}],
+    },
+)
 async def _show(call: PlainCall) -> dict[str, Any]:
     router = call.station.router
     if router is None:
@@ -17,18 +29,3 @@ async def _show(call: PlainCall) -> dict[str, Any]:
         asyncio.to_thread(router.endpoints), asyncio.to_thread(router.routes)
     )
     return {"endpoints": endpoints, "routes": routes}
-
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/router",
-        handler=_show,
-        summary="Show the endpoints and the learned addresses of the router",
-        tag="station",
-        answer={
-            "endpoints": [{"name": "ground", "state": "open"}],
-            "routes": [{"system": 1, "component": 1}],
-        },
-    ),
-)

@@ -11,6 +11,7 @@ from msgspec import Meta
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.http.request_fields import Fields
+from mavstack.http.routes import RouteTable
 from mavstack.security.roles import Role
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.swarm.separation import Margins
@@ -44,6 +45,28 @@ class ShowQuery(Fields):
     acceleration: Annotated[float, Meta(description="Largest acceleration in m/s².", gt=0, le=1000)] = 2.0
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "swarm")
+
+
+@ROUTES.add(
+    "POST",
+    "/api/shows",
+    "Check a show, and return where each vehicle is over time; nothing is sent to vehicles",
+    role=Role.OPERATE,
+    takes_bytes=True,
+    max_body=MAX_BYTES,
+    answer={
+        "name": "circle",
+        "duration_s": 60.0,
+        "separation_m": 9.4,
+        "limit_m": 6.83,
+        "speed_m_s": 3.1,
+        "climb_m_s": 1.9,
+        "acceleration_m_s2": 0.9,
+        "problems": [],
+        "tracks": [{"name": "vehicle 1", "places": [[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]]}],
+    },
+)
 async def _preview(call: Call[None, ShowQuery]) -> dict[str, Any]:
     return await asyncio.to_thread(preview_show, call.data, call.query)
 
@@ -94,29 +117,3 @@ def _tracks(show: Show) -> list[dict[str, Any]]:
         }
         for each in show.vehicles
     ]
-
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="POST",
-        path="/api/shows",
-        handler=_preview,
-        summary="Check a show, and return where each vehicle is over time; nothing is sent to vehicles",
-        tag="swarm",
-        role=Role.OPERATE,
-        takes_bytes=True,
-        max_body=MAX_BYTES,
-        query=ShowQuery,
-        answer={
-            "name": "circle",
-            "duration_s": 60.0,
-            "separation_m": 9.4,
-            "limit_m": 6.83,
-            "speed_m_s": 3.1,
-            "climb_m_s": 1.9,
-            "acceleration_m_s2": 0.9,
-            "problems": [],
-            "tracks": [{"name": "vehicle 1", "places": [[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]]}],
-        },
-    ),
-)

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Final
 from msgspec import Meta
 
 from mavstack.http.request_fields import Fields
+from mavstack.http.routes import RouteTable
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Positive, Text
 from mavstack.simulators.faults import FAULTS
@@ -60,60 +60,6 @@ class InjectFault(Fields):
     duration: Annotated[Positive | None, Meta(description="Simulated seconds; null: no end.")] = None
 
 
-async def _list(call: PlainCall) -> list[dict[str, Any]]:
-    return [world.values() for world in call.station.worlds.list()]
-
-
-async def _options(call: PlainCall) -> dict[str, Any]:
-    worlds = call.station.worlds
-    return {
-        "firmwares": list(FIRMWARES),
-        "vehicles": list(VEHICLES),
-        "physics": worlds.physics,
-        "faults": dict(FAULTS),
-        "programs": list(worlds.programs),
-    }
-
-
-async def _start(call: Call[StartSimulator, None]) -> dict[str, Any]:
-    body = call.body
-    options = FirmwareOptions(
-        body.firmware,
-        vehicle=body.vehicle,
-        physics=body.physics,
-        listen=body.listen,
-        speed=body.speed,
-        seed=body.seed,
-        instance=body.instance,
-    )
-    return (await call.station.worlds.add(options, body.program)).values()
-
-
-async def _stop(call: PlainCall) -> dict[str, Any]:
-    return (await call.station.worlds.remove(call.path("id"))).values()
-
-
-async def _pace(call: Call[SetPace, None]) -> dict[str, Any]:
-    world, body = call.station.worlds.find(call.path("id")), call.body
-    simulator = world.session.simulator
-    if body.speed is not None:
-        simulator.pace.speed = body.speed
-    if body.paused:
-        simulator.pause(body.steps)
-    elif body.paused is not None:
-        simulator.resume()
-    return world.values()
-
-
-async def _fault(call: Call[InjectFault, None]) -> dict[str, Any]:
-    world, body = call.station.worlds.find(call.path("id")), call.body
-    if body.present:
-        world.session.simulator.inject(body.fault, after=body.after, duration=body.duration)
-    else:
-        world.session.simulator.clear(body.fault)
-    return world.values()
-
-
 _EXAMPLE: Final = {
     "id": "1",
     "firmware": "ardupilot",
@@ -128,68 +74,81 @@ _EXAMPLE: Final = {
     "faults": [],
     "lines": ["ArduPilot is connected"],
 }
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "simulators")
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/simulator-options",
-        handler=_options,
-        summary="List the firmwares, vehicles, physics, faults and programs of simulated worlds",
-        tag="simulators",
-        answer={
-            "firmwares": ["px4"],
-            "vehicles": ["copter"],
-            "physics": ["copter"],
-            "faults": {"gps-lost": "no fix"},
-            "programs": [],
-        },
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/simulators",
-        handler=_list,
-        summary="List the simulated worlds",
-        tag="simulators",
-        answer=[_EXAMPLE],
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/simulators",
-        handler=_start,
-        summary=summary_of(StartSimulator),
-        tag="simulators",
-        role=Role.ADMINISTER,
-        body=StartSimulator,
-        status=201,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="DELETE",
-        path="/api/simulators/{id}",
-        handler=_stop,
-        summary="Stop a simulated world and its program",
-        tag="simulators",
-        role=Role.ADMINISTER,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/simulators/{id}/pace",
-        handler=_pace,
-        summary=summary_of(SetPace),
-        tag="simulators",
-        role=Role.ADMINISTER,
-        body=SetPace,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/simulators/{id}/faults",
-        handler=_fault,
-        summary=summary_of(InjectFault),
-        tag="simulators",
-        role=Role.ADMINISTER,
-        body=InjectFault,
-        answer=_EXAMPLE,
-    ),
+
+@ROUTES.add("GET", "/api/simulators", "List the simulated worlds", answer=[_EXAMPLE])
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
+    return [world.values() for world in call.station.worlds.list()]
+
+
+@ROUTES.add(
+    "GET",
+    "/api/simulator-options",
+    "List the firmwares, vehicles, physics, faults and programs of simulated worlds",
+    answer={
+        "firmwares": ["px4"],
+        "vehicles": ["copter"],
+        "physics": ["copter"],
+        "faults": {"gps-lost": "no fix"},
+        "programs": [],
+    },
 )
+async def _options(call: PlainCall) -> dict[str, Any]:
+    worlds = call.station.worlds
+    return {
+        "firmwares": list(FIRMWARES),
+        "vehicles": list(VEHICLES),
+        "physics": worlds.physics,
+        "faults": dict(FAULTS),
+        "programs": list(worlds.programs),
+    }
+
+
+@ROUTES.add("POST", "/api/simulators", role=Role.ADMINISTER, status=201, answer=_EXAMPLE)
+async def _start(call: Call[StartSimulator, None]) -> dict[str, Any]:
+    body = call.body
+    options = FirmwareOptions(
+        body.firmware,
+        vehicle=body.vehicle,
+        physics=body.physics,
+        listen=body.listen,
+        speed=body.speed,
+        seed=body.seed,
+        instance=body.instance,
+    )
+    return (await call.station.worlds.add(options, body.program)).values()
+
+
+@ROUTES.add(
+    "DELETE",
+    "/api/simulators/{id}",
+    "Stop a simulated world and its program",
+    role=Role.ADMINISTER,
+    answer=_EXAMPLE,
+)
+async def _stop(call: PlainCall) -> dict[str, Any]:
+    return (await call.station.worlds.remove(call.path("id"))).values()
+
+
+@ROUTES.add("POST", "/api/simulators/{id}/pace", role=Role.ADMINISTER, answer=_EXAMPLE)
+async def _pace(call: Call[SetPace, None]) -> dict[str, Any]:
+    world, body = call.station.worlds.find(call.path("id")), call.body
+    simulator = world.session.simulator
+    if body.speed is not None:
+        simulator.pace.speed = body.speed
+    if body.paused:
+        simulator.pause(body.steps)
+    elif body.paused is not None:
+        simulator.resume()
+    return world.values()
+
+
+@ROUTES.add("POST", "/api/simulators/{id}/faults", role=Role.ADMINISTER, answer=_EXAMPLE)
+async def _fault(call: Call[InjectFault, None]) -> dict[str, Any]:
+    world, body = call.station.worlds.find(call.path("id")), call.body
+    if body.present:
+        world.session.simulator.inject(body.fault, after=body.after, duration=body.duration)
+    else:
+        world.session.simulator.clear(body.fault)
+    return world.values()

@@ -10,10 +10,9 @@ from msgspec import Meta
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import ANY_MEDIA_TYPE
+from mavstack.http.routes import ANY_MEDIA_TYPE, RouteTable
 from mavstack.links import open_link
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.events import EventStream
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.json_values import to_json
@@ -26,10 +25,43 @@ if TYPE_CHECKING:
     from mavstack.server.tasks import Task
 
 
+_SOURCE: Final = {
+    "id": "1",
+    "url": "udpin://0.0.0.0:14550",
+    "state": "connected",
+    "address": ["0.0.0.0", 14550],  # noqa: S104 (an example)
+    "channels": ["127.0.0.1:52000"],
+    "counters": {"bytes_in": 5120, "bytes_out": 210, "chunks_in": 80, "chunks_out": 10},
+}
+_TASK: Final = {
+    "task": "1",
+    "name": "GET /api/vehicles/1/parameters",
+    "state": "running",
+    "done": 210,
+    "total": 900,
+}
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "station")
+
+
+@ROUTES.add("GET", "/api/sources", "List the sources: links of the station", answer=[_SOURCE])
 async def _list_sources(call: PlainCall) -> list[dict[str, Any]]:
     return [source.values() for source in call.station.sources.list()]
 
 
+@ROUTES.add(
+    "GET",
+    "/api/rows",
+    "Show the latest row of each message of the sources that do not speak MAVLink",
+    answer=[
+        {
+            "source": "cansat",
+            "message": "ROW",
+            "time": 1790000000.0,
+            "fields": {"alt": 512.3},
+            "count": 10,
+        }
+    ],
+)
 async def _list_rows(call: PlainCall) -> list[dict[str, Any]]:
     return [{**each.value, "count": each.count} for each in call.station.sources.rows.latest.values()]
 
@@ -53,6 +85,7 @@ class AddSource(Fields):
     speed: Annotated[float, Meta(description="The speed of a replay; 1: as it was recorded.", ge=0.01)] = 1.0
 
 
+@ROUTES.add("POST", "/api/sources", role=Role.ADMINISTER, status=201, answer=_SOURCE)
 async def _add_source(call: Call[AddSource, None]) -> dict[str, Any]:
     url, recording, sources = call.body.url, call.body.recording, call.station.sources
     if url is not None and recording is None:
@@ -63,22 +96,46 @@ async def _add_source(call: Call[AddSource, None]) -> dict[str, Any]:
     return (await sources.add(replay)).values()
 
 
+@ROUTES.add(
+    "DELETE",
+    "/api/sources/{id}",
+    "Remove a source",
+    role=Role.ADMINISTER,
+    answer=_SOURCE | {"state": "closed", "channels": []},
+)
 async def _remove_source(call: PlainCall) -> dict[str, Any]:
     return (await call.station.sources.remove(call.path("id"))).values()
 
 
+@ROUTES.add("GET", "/api/tasks", "List the tasks", tag="tasks", answer=[_TASK])
 async def _list_tasks(call: PlainCall) -> list[dict[str, Any]]:
     return [task.values() for task in call.station.tasks.list() if _may_see(call, task)]
 
 
+@ROUTES.add("GET", "/api/tasks/{id}", "Show a task", tag="tasks", answer=_TASK)
 async def _show_task(call: PlainCall) -> dict[str, Any]:
     return _task(call).values()
 
 
+@ROUTES.add(
+    "GET",
+    "/api/tasks/{id}/progress",
+    "Follow a task by server-sent events",
+    tag="tasks",
+    media_type="text/event-stream",
+    answer="event: progress",
+)
 async def _follow_task(call: PlainCall) -> EventStream:
     return EventStream(_events(_task(call)))
 
 
+@ROUTES.add(
+    "GET",
+    "/api/tasks/{id}/result",
+    "Get the answer of a task that is done",
+    tag="tasks",
+    media_type=ANY_MEDIA_TYPE,
+)
 async def _task_result(call: PlainCall) -> Any:  # noqa: ANN401 (the answer of the request)
     task = _task(call)
     if task.error is not None:
@@ -88,10 +145,26 @@ async def _task_result(call: PlainCall) -> Any:  # noqa: ANN401 (the answer of t
     return task.result
 
 
+@ROUTES.add(
+    "DELETE", "/api/tasks/{id}", "Cancel and drop a task", tag="tasks", answer=_TASK | {"state": "cancelled"}
+)
 async def _remove_task(call: PlainCall) -> dict[str, Any]:
     return (await call.station.tasks.remove(_task(call).id)).values()
 
 
+@ROUTES.add(
+    "GET",
+    "/api/statistics",
+    "Show counters of channels and clients",
+    answer={
+        "time": 1790000000.0,
+        "packets": 1000,
+        "vehicles": 1,
+        "clients": 2,
+        "router": False,
+        "channels": [],
+    },
+)
 async def _statistics(call: PlainCall) -> dict[str, Any]:
     station = call.station
     node = station.connection
@@ -146,123 +219,3 @@ async def _events(task: Task) -> AsyncIterator[str]:
         running = values["state"] == TaskState.RUNNING.value
         name = "progress" if running else values["state"]
         yield f"event: {name}\ndata: {json.dumps(to_json(values))}\n\n"
-
-
-_SOURCE: Final = {
-    "id": "1",
-    "url": "udpin://0.0.0.0:14550",
-    "state": "connected",
-    "address": ["0.0.0.0", 14550],  # noqa: S104 (an example)
-    "channels": ["127.0.0.1:52000"],
-    "counters": {"bytes_in": 5120, "bytes_out": 210, "chunks_in": 80, "chunks_out": 10},
-}
-_TASK: Final = {
-    "task": "1",
-    "name": "GET /api/vehicles/1/parameters",
-    "state": "running",
-    "done": 210,
-    "total": 900,
-}
-
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/sources",
-        handler=_list_sources,
-        summary="List the sources: links of the station",
-        tag="station",
-        answer=[_SOURCE],
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/sources",
-        handler=_add_source,
-        summary=summary_of(AddSource),
-        tag="station",
-        role=Role.ADMINISTER,
-        body=AddSource,
-        status=201,
-        answer=_SOURCE,
-    ),
-    ApiRoute(
-        method="DELETE",
-        path="/api/sources/{id}",
-        handler=_remove_source,
-        summary="Remove a source",
-        tag="station",
-        role=Role.ADMINISTER,
-        answer=_SOURCE | {"state": "closed", "channels": []},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/rows",
-        handler=_list_rows,
-        summary="Show the latest row of each message of the sources that do not speak MAVLink",
-        tag="station",
-        answer=[
-            {
-                "source": "cansat",
-                "message": "ROW",
-                "time": 1790000000.0,
-                "fields": {"alt": 512.3},
-                "count": 10,
-            }
-        ],
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/statistics",
-        handler=_statistics,
-        summary="Show counters of channels and clients",
-        tag="station",
-        answer={
-            "time": 1790000000.0,
-            "packets": 1000,
-            "vehicles": 1,
-            "clients": 2,
-            "router": False,
-            "channels": [],
-        },
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/tasks",
-        handler=_list_tasks,
-        summary="List the tasks",
-        tag="tasks",
-        answer=[_TASK],
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/tasks/{id}",
-        handler=_show_task,
-        summary="Show a task",
-        tag="tasks",
-        answer=_TASK,
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/tasks/{id}/progress",
-        handler=_follow_task,
-        summary="Follow a task by server-sent events",
-        tag="tasks",
-        media_type="text/event-stream",
-        answer="event: progress",
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/tasks/{id}/result",
-        handler=_task_result,
-        summary="Get the answer of a task that is done",
-        tag="tasks",
-        media_type=ANY_MEDIA_TYPE,
-    ),
-    ApiRoute(
-        method="DELETE",
-        path="/api/tasks/{id}",
-        handler=_remove_task,
-        summary="Cancel and drop a task",
-        tag="tasks",
-        answer=_TASK | {"state": "cancelled"},
-    ),
-)

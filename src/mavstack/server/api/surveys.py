@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.server.api.action_route import summary_of
+from mavstack.http.routes import RouteTable
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.server.request_types import Latitude, Longitude, Positive
 from mavstack.swarm.search.camera import Camera
@@ -225,14 +225,6 @@ def _start(each: SurveyVehicle, frame: LocalFrame, station: Station | None) -> t
     return None if place is None else to_metres(frame, [place])[0]
 
 
-async def _survey(call: Call[PlanSurvey, None]) -> dict[str, Any]:
-    return await asyncio.to_thread(plan_survey, call.body, call.station)
-
-
-async def _search(call: Call[PlanSearch, None]) -> dict[str, Any]:
-    return await asyncio.to_thread(plan_pattern, call.body, call.station)
-
-
 _ITEM: Final = {
     "seq": 0,
     "command": 22,
@@ -250,32 +242,26 @@ _SHARE: Final = {
     "legs": [[[47.3970, 8.5450], [47.3988, 8.5450]]],
     "items": [_ITEM],
 }
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "plans")
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="POST",
-        path="/api/surveys",
-        handler=_survey,
-        summary=summary_of(PlanSurvey),
-        tag="plans",
-        body=PlanSurvey,
-        answer={
-            "spacing_m": 20.0,
-            "bearing_deg": 0.0,
-            "area_m2": 20000.0,
-            "footprint_m": None,
-            "trigger_distance_m": 0.0,
-            "pixel_m": None,
-            "shares": [_SHARE],
-        },
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/searches",
-        handler=_search,
-        summary=summary_of(PlanSearch),
-        tag="plans",
-        body=PlanSearch,
-        answer={"spacing_m": 20.0, "shares": [_SHARE]},
-    ),
+
+@ROUTES.add(
+    "POST",
+    "/api/surveys",
+    answer={
+        "spacing_m": 20.0,
+        "bearing_deg": 0.0,
+        "area_m2": 20000.0,
+        "footprint_m": None,
+        "trigger_distance_m": 0.0,
+        "pixel_m": None,
+        "shares": [_SHARE],
+    },
 )
+async def _survey(call: Call[PlanSurvey, None]) -> dict[str, Any]:
+    return await asyncio.to_thread(plan_survey, call.body, call.station)
+
+
+@ROUTES.add("POST", "/api/searches", answer={"spacing_m": 20.0, "shares": [_SHARE]})
+async def _search(call: Call[PlanSearch, None]) -> dict[str, Any]:
+    return await asyncio.to_thread(plan_pattern, call.body, call.station)

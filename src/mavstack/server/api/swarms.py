@@ -12,9 +12,8 @@ from msgspec import Meta
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.request_types import Latitude, Longitude, Positive
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
@@ -143,93 +142,6 @@ class FollowVehicle(_Shaped, kw_only=True):
     ] = None
 
 
-async def _show(call: PlainCall) -> dict[str, Any]:
-    return call.station.swarm.values()
-
-
-async def _list(call: PlainCall) -> dict[str, str]:
-    return dict(FORMATIONS)
-
-
-async def _preview(call: Call[PreviewFormation, None]) -> dict[str, Any]:
-    shape = call.body.formation()
-    slots = shape.offsets(call.body.count)
-    return {"shape": shape.name, "spacing_m": shape.spacing, "slots": slots.round(3).tolist()}
-
-
-async def _formation(call: Call[FlyFormation, Wait]) -> dict[str, Any]:
-    body, swarm = call.body, call.station.swarm
-    shape, vehicles = body.formation(), swarm.select(body.systems, body.lead)
-
-    if body.takeoff:
-        altitude = DEFAULT_ALTITUDE if body.altitude is None else body.altitude
-        await swarm.take_off(vehicles, lambda group: _launch(group, altitude, 0.0))
-
-    async def work(flying: Swarm) -> None:
-        await flying.formation(shape, course=body.course, altitude=body.altitude)
-
-    return await swarm.fly("formation", vehicles, work)
-
-
-async def _takeoff(call: Call[LaunchSwarm, Wait]) -> dict[str, Any]:
-    body, swarm = call.body, call.station.swarm
-    vehicles = swarm.select(body.systems, body.lead)
-    return await swarm.take_off(vehicles, lambda group: _launch(group, body.altitude, body.layer_spacing))
-
-
-async def _launch(group: Group, altitude: float, layer_spacing: float) -> None:
-    (await take_off(group, altitude, layer_spacing=layer_spacing)).check()
-
-
-async def _move(call: Call[MoveSwarm, Wait]) -> dict[str, Any]:
-    body = call.body
-    return await _fly(call, "move", lambda swarm: swarm.move(body.north, body.east, body.up))
-
-
-async def _goto(call: Call[SendSwarm, Wait]) -> dict[str, Any]:
-    body = call.body
-    return await _fly(call, "goto", lambda swarm: swarm.goto(body.latitude, body.longitude, body.altitude))
-
-
-async def _rotate(call: Call[RotateSwarm, Wait]) -> dict[str, Any]:
-    degrees = call.body.degrees
-    return await _fly(call, "rotate", lambda swarm: swarm.rotate(degrees))
-
-
-async def _follow(call: Call[FollowVehicle, Wait]) -> dict[str, Any]:
-    body, station = call.body, call.station
-    leader, shape = station.vehicle(body.leader), body.formation()
-    vehicles = [each for each in station.swarm.select(body.systems, body.lead) if each is not leader]
-    if not vehicles:
-        raise RefusedError(409, "no other vehicle than the leader is alive")
-
-    async def work(flying: Swarm) -> None:
-        await flying.follow(leader, shape, duration=body.seconds)
-
-    return await station.swarm.fly("follow", vehicles, work)
-
-
-async def _fly(call: Call[Any, Any], action: str, work: Any) -> dict[str, Any]:  # noqa: ANN401 (a function)
-    swarm = call.station.swarm
-    return await swarm.fly(action, swarm.select(call.body.systems, call.body.lead), work)
-
-
-async def _land(call: Call[Members, Wait]) -> dict[str, Any]:
-    swarm = call.station.swarm
-    return await swarm.land(swarm.select(call.body.systems, call.body.lead))
-
-
-async def _stop(call: Call[Members, None]) -> dict[str, Any]:
-    swarm = call.station.swarm
-    return await swarm.stop(swarm.select(call.body.systems, call.body.lead))
-
-
-async def _end(call: PlainCall) -> dict[str, Any]:
-    swarm = call.station.swarm
-    await swarm.close()
-    return swarm.values()
-
-
 _STATE: Final = {
     "active": True,
     "action": "formation",
@@ -254,63 +166,114 @@ _STATE: Final = {
         }
     ],
 }
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "swarm")
 
 
-def _action(name: str, handler: Any, body: type[Fields], query: type[Fields] | None = Wait) -> AnyRoute:  # noqa: ANN401
-    return ApiRoute(
-        method="POST",
-        path=f"/api/swarm/{name}",
-        handler=handler,
-        summary=summary_of(body) if body is not Members else f"{name.capitalize()} all members",
-        tag="swarm",
-        role=Role.OPERATE,
-        body=body,
-        query=query,
-        answer=_STATE,
-    )
+@ROUTES.add("GET", "/api/swarm", "Show the swarm, with the smallest separation of its members", answer=_STATE)
+async def _show(call: PlainCall) -> dict[str, Any]:
+    return call.station.swarm.values()
 
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/swarm",
-        handler=_show,
-        summary="Show the swarm, with the smallest separation of its members",
-        tag="swarm",
-        answer=_STATE,
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/swarm/formations",
-        handler=_list,
-        summary="List the formations",
-        tag="swarm",
-        answer={"line": "abeam of the leader, alternately right and left"},
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/swarm/preview",
-        handler=_preview,
-        summary=summary_of(PreviewFormation),
-        tag="swarm",
-        body=PreviewFormation,
-        answer={"shape": "wedge", "spacing_m": 10.0, "slots": [[0.0, 0.0, 0.0], [-7.071, 7.071, 0.0]]},
-    ),
-    _action("formation", _formation, FlyFormation),
-    _action("takeoff", _takeoff, LaunchSwarm),
-    _action("move", _move, MoveSwarm),
-    _action("goto", _goto, SendSwarm),
-    _action("rotate", _rotate, RotateSwarm),
-    _action("follow", _follow, FollowVehicle),
-    _action("land", _land, Members),
-    _action("stop", _stop, Members, None),
-    ApiRoute(
-        method="DELETE",
-        path="/api/swarm",
-        handler=_end,
-        summary="End the swarm: each member holds where it is",
-        tag="swarm",
-        role=Role.OPERATE,
-        answer=_STATE,
-    ),
+@ROUTES.add(
+    "GET",
+    "/api/swarm/formations",
+    "List the formations",
+    answer={"line": "abeam of the leader, alternately right and left"},
 )
+async def _list(call: PlainCall) -> dict[str, str]:
+    return dict(FORMATIONS)
+
+
+@ROUTES.add(
+    "POST",
+    "/api/swarm/preview",
+    answer={"shape": "wedge", "spacing_m": 10.0, "slots": [[0.0, 0.0, 0.0], [-7.071, 7.071, 0.0]]},
+)
+async def _preview(call: Call[PreviewFormation, None]) -> dict[str, Any]:
+    shape = call.body.formation()
+    slots = shape.offsets(call.body.count)
+    return {"shape": shape.name, "spacing_m": shape.spacing, "slots": slots.round(3).tolist()}
+
+
+@ROUTES.add("POST", "/api/swarm/formation", role=Role.OPERATE, answer=_STATE)
+async def _formation(call: Call[FlyFormation, Wait]) -> dict[str, Any]:
+    body, swarm = call.body, call.station.swarm
+    shape, vehicles = body.formation(), swarm.select(body.systems, body.lead)
+
+    if body.takeoff:
+        altitude = DEFAULT_ALTITUDE if body.altitude is None else body.altitude
+        await swarm.take_off(vehicles, lambda group: _launch(group, altitude, 0.0))
+
+    async def work(flying: Swarm) -> None:
+        await flying.formation(shape, course=body.course, altitude=body.altitude)
+
+    return await swarm.fly("formation", vehicles, work)
+
+
+@ROUTES.add("POST", "/api/swarm/takeoff", role=Role.OPERATE, answer=_STATE)
+async def _takeoff(call: Call[LaunchSwarm, Wait]) -> dict[str, Any]:
+    body, swarm = call.body, call.station.swarm
+    vehicles = swarm.select(body.systems, body.lead)
+    return await swarm.take_off(vehicles, lambda group: _launch(group, body.altitude, body.layer_spacing))
+
+
+async def _launch(group: Group, altitude: float, layer_spacing: float) -> None:
+    (await take_off(group, altitude, layer_spacing=layer_spacing)).check()
+
+
+@ROUTES.add("POST", "/api/swarm/move", role=Role.OPERATE, answer=_STATE)
+async def _move(call: Call[MoveSwarm, Wait]) -> dict[str, Any]:
+    body = call.body
+    return await _fly(call, "move", lambda swarm: swarm.move(body.north, body.east, body.up))
+
+
+@ROUTES.add("POST", "/api/swarm/goto", role=Role.OPERATE, answer=_STATE)
+async def _goto(call: Call[SendSwarm, Wait]) -> dict[str, Any]:
+    body = call.body
+    return await _fly(call, "goto", lambda swarm: swarm.goto(body.latitude, body.longitude, body.altitude))
+
+
+@ROUTES.add("POST", "/api/swarm/rotate", role=Role.OPERATE, answer=_STATE)
+async def _rotate(call: Call[RotateSwarm, Wait]) -> dict[str, Any]:
+    degrees = call.body.degrees
+    return await _fly(call, "rotate", lambda swarm: swarm.rotate(degrees))
+
+
+@ROUTES.add("POST", "/api/swarm/follow", role=Role.OPERATE, answer=_STATE)
+async def _follow(call: Call[FollowVehicle, Wait]) -> dict[str, Any]:
+    body, station = call.body, call.station
+    leader, shape = station.vehicle(body.leader), body.formation()
+    vehicles = [each for each in station.swarm.select(body.systems, body.lead) if each is not leader]
+    if not vehicles:
+        raise RefusedError(409, "no other vehicle than the leader is alive")
+
+    async def work(flying: Swarm) -> None:
+        await flying.follow(leader, shape, duration=body.seconds)
+
+    return await station.swarm.fly("follow", vehicles, work)
+
+
+async def _fly(call: Call[Any, Any], action: str, work: Any) -> dict[str, Any]:  # noqa: ANN401 (a function)
+    swarm = call.station.swarm
+    return await swarm.fly(action, swarm.select(call.body.systems, call.body.lead), work)
+
+
+@ROUTES.add("POST", "/api/swarm/land", "Land all members", role=Role.OPERATE, answer=_STATE)
+async def _land(call: Call[Members, Wait]) -> dict[str, Any]:
+    swarm = call.station.swarm
+    return await swarm.land(swarm.select(call.body.systems, call.body.lead))
+
+
+@ROUTES.add("POST", "/api/swarm/stop", "Stop all members", role=Role.OPERATE, answer=_STATE)
+async def _stop(call: Call[Members, None]) -> dict[str, Any]:
+    swarm = call.station.swarm
+    return await swarm.stop(swarm.select(call.body.systems, call.body.lead))
+
+
+@ROUTES.add(
+    "DELETE", "/api/swarm", "End the swarm: each member holds where it is", role=Role.OPERATE, answer=_STATE
+)
+async def _end(call: PlainCall) -> dict[str, Any]:
+    swarm = call.station.swarm
+    await swarm.close()
+    return swarm.values()

@@ -7,9 +7,8 @@ from typing import Annotated, Any, Final
 from msgspec import Meta, Struct
 
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import Wait
+from mavstack.http.routes import RouteTable, Wait
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
 from mavstack.vehicle.setup import (
     airframe_choices,
@@ -116,39 +115,6 @@ class SetSerialPort(Fields):
     ] = None
 
 
-async def _check(call: Call[None, Wait]) -> dict[str, Any]:
-    vehicle = call.vehicle
-    items = await call.read("first flight", lambda: first_flight(vehicle))
-    return {"items": [check_json(each) for each in items]}
-
-
-async def _airframe(call: Call[None, Wait]) -> dict[str, Any]:
-    vehicle = call.vehicle
-    choices = airframe_choices(vehicle)
-    found = airframe_json(await call.read("airframe", lambda: get_airframe(vehicle)))
-    return {**found, "airframes": choices_json(choices.airframes), "types": choices_json(choices.types)}
-
-
-async def _set_airframe(call: Call[SetAirframe, Wait]) -> dict[str, Any]:
-    body, vehicle = call.body, call.vehicle
-    change = plan_airframe(vehicle, body.airframe, body.frame_type, reset=body.reset)
-    found = None if body.dry_run else airframe_json(await set_airframe(vehicle, change))
-    plan = {"sets": dict(change.sets), "resets": change.resets, "keeps": list(change.keeps)}
-    return {**plan, "airframe": found}
-
-
-async def _ports(call: Call[None, Wait]) -> dict[str, Any]:
-    vehicle = call.vehicle
-    found = await call.read("serial ports", lambda: get_serial_ports(vehicle))
-    ports = [port_json(each) for each in found]
-    return {"ports": ports, "protocols": choices_json(serial_protocols(vehicle))}
-
-
-async def _set_port(call: Call[SetSerialPort, None]) -> dict[str, Any]:
-    body = call.body
-    return port_json(await set_serial_port(call.vehicle, call.path("name"), body.protocol, body.baud))
-
-
 _AIRFRAME: Final = {"name": "quad, X", "values": {"FRAME_CLASS": 1, "FRAME_TYPE": 1}, "defined": True}
 _PORT: Final = {
     "name": "SERIAL1",
@@ -157,66 +123,79 @@ _PORT: Final = {
     "baud": 57600,
     "parameters": ["SERIAL1_PROTOCOL", "SERIAL1_BAUD"],
 }
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "setup")
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path=f"{_VEHICLE}/first-flight",
-        handler=_check,
-        summary="Show what is missing before a first flight",
-        tag="setup",
-        query=Wait,
-        answer={"items": [{"name": "compass", "state": "ok", "text": "calibrated", "remedy": ""}]},
-        answer_model=CheckList,
-    ),
-    ApiRoute(
-        method="GET",
-        path=f"{_VEHICLE}/airframe",
-        handler=_airframe,
-        summary="Show the airframe",
-        tag="setup",
-        query=Wait,
-        answer={
-            **_AIRFRAME,
-            "airframes": [{"number": 1, "name": "quad"}],
-            "types": [{"number": 1, "name": "X"}],
-        },
-        answer_model=AirframeAnswer,
-    ),
-    ApiRoute(
-        method="PUT",
-        path=f"{_VEHICLE}/airframe",
-        handler=_set_airframe,
-        summary=summary_of(SetAirframe),
-        tag="setup",
-        role=Role.ADMINISTER,
-        writes=True,
-        body=SetAirframe,
-        query=Wait,
-        answer={"sets": {"FRAME_CLASS": 1}, "resets": False, "keeps": [], "airframe": _AIRFRAME},
-        answer_model=PlannedAirframe,
-    ),
-    ApiRoute(
-        method="GET",
-        path=f"{_VEHICLE}/serial-ports",
-        handler=_ports,
-        summary="List the serial ports of the board with their protocols",
-        tag="setup",
-        query=Wait,
-        answer={"ports": [_PORT], "protocols": [{"number": 2, "name": "MAVLink 2"}]},
-        answer_model=SerialPorts,
-    ),
-    ApiRoute(
-        method="PUT",
-        path=f"{_VEHICLE}/serial-ports/{{name}}",
-        path_examples={"name": "SERIAL1"},
-        handler=_set_port,
-        summary=summary_of(SetSerialPort),
-        tag="setup",
-        role=Role.ADMINISTER,
-        writes=True,
-        body=SetSerialPort,
-        answer=_PORT,
-        answer_model=SerialPortFacts,
-    ),
+
+@ROUTES.add(
+    "GET",
+    f"{_VEHICLE}/first-flight",
+    "Show what is missing before a first flight",
+    answer={"items": [{"name": "compass", "state": "ok", "text": "calibrated", "remedy": ""}]},
+    answer_model=CheckList,
 )
+async def _check(call: Call[None, Wait]) -> dict[str, Any]:
+    vehicle = call.vehicle
+    items = await call.read("first flight", lambda: first_flight(vehicle))
+    return {"items": [check_json(each) for each in items]}
+
+
+@ROUTES.add(
+    "GET",
+    f"{_VEHICLE}/airframe",
+    "Show the airframe",
+    answer={
+        **_AIRFRAME,
+        "airframes": [{"number": 1, "name": "quad"}],
+        "types": [{"number": 1, "name": "X"}],
+    },
+    answer_model=AirframeAnswer,
+)
+async def _airframe(call: Call[None, Wait]) -> dict[str, Any]:
+    vehicle = call.vehicle
+    choices = airframe_choices(vehicle)
+    found = airframe_json(await call.read("airframe", lambda: get_airframe(vehicle)))
+    return {**found, "airframes": choices_json(choices.airframes), "types": choices_json(choices.types)}
+
+
+@ROUTES.add(
+    "PUT",
+    f"{_VEHICLE}/airframe",
+    role=Role.ADMINISTER,
+    writes=True,
+    answer={"sets": {"FRAME_CLASS": 1}, "resets": False, "keeps": [], "airframe": _AIRFRAME},
+    answer_model=PlannedAirframe,
+)
+async def _set_airframe(call: Call[SetAirframe, Wait]) -> dict[str, Any]:
+    body, vehicle = call.body, call.vehicle
+    change = plan_airframe(vehicle, body.airframe, body.frame_type, reset=body.reset)
+    found = None if body.dry_run else airframe_json(await set_airframe(vehicle, change))
+    plan = {"sets": dict(change.sets), "resets": change.resets, "keeps": list(change.keeps)}
+    return {**plan, "airframe": found}
+
+
+@ROUTES.add(
+    "GET",
+    f"{_VEHICLE}/serial-ports",
+    "List the serial ports of the board with their protocols",
+    answer={"ports": [_PORT], "protocols": [{"number": 2, "name": "MAVLink 2"}]},
+    answer_model=SerialPorts,
+)
+async def _ports(call: Call[None, Wait]) -> dict[str, Any]:
+    vehicle = call.vehicle
+    found = await call.read("serial ports", lambda: get_serial_ports(vehicle))
+    ports = [port_json(each) for each in found]
+    return {"ports": ports, "protocols": choices_json(serial_protocols(vehicle))}
+
+
+@ROUTES.add(
+    "PUT",
+    f"{_VEHICLE}/serial-ports/{{name}}",
+    path_examples={"name": "SERIAL1"},
+    role=Role.ADMINISTER,
+    writes=True,
+    answer=_PORT,
+    answer_model=SerialPortFacts,
+)
+async def _set_port(call: Call[SetSerialPort, None]) -> dict[str, Any]:
+    body = call.body
+    return port_json(await set_serial_port(call.vehicle, call.path("name"), body.protocol, body.baud))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.http.routes import RouteTable
 from mavstack.server.api_route import AnyRoute, ApiRoute, PlainCall
 from mavstack.server.conflict_json import conflict_json
 from mavstack.server.json_values import to_json
@@ -81,53 +82,6 @@ def texts_json(vehicle: Vehicle) -> dict[str, Any]:
     return {"time": vehicle.telemetry.now(), "status_texts": to_json(vehicle.status_texts[-MAX_TEXTS:])}
 
 
-async def _list(call: PlainCall) -> list[dict[str, Any]]:
-    return [identity_json(vehicle) for vehicle in call.station.connection.vehicles.values()]
-
-
-async def _show(call: PlainCall) -> dict[str, Any]:
-    vehicle = call.vehicle
-    version = vehicle.version
-    return {
-        **identity_json(vehicle),
-        "home": to_json(vehicle.home),
-        "capabilities": {**to_json(vehicle.capabilities), "msp": isinstance(vehicle.firmware, MspFirmware)},
-        "version": None if version is None else _version(version),
-        "components": [_component(info) for info in vehicle.components.values()],
-        **texts_json(vehicle),
-    }
-
-
-async def _telemetry(call: PlainCall) -> dict[str, Any]:
-    return telemetry_json(call.vehicle)
-
-
-async def _modes(call: PlainCall) -> list[dict[str, Any]]:
-    vehicle = call.vehicle
-    modes = await call.read("modes", vehicle.modes.list)
-    return [
-        {
-            "name": mode.name,
-            "number": mode.custom_mode,
-            "standard_mode": int(mode.standard_mode),
-            "selectable": mode.selectable,
-            "advanced": mode.advanced,
-        }
-        for mode in modes
-    ]
-
-
-def _version(version: object) -> Any:  # noqa: ANN401 (JSON)
-    if not is_dataclass(version) or isinstance(version, type):
-        return str(version)
-    return to_json({each.name: getattr(version, each.name) for each in fields(version)})
-
-
-def _component(info: ComponentInfo) -> dict[str, Any]:
-    values = asdict(info) | {"address": list(info.address)}
-    return {key: to_json(value) for key, value in values.items()}
-
-
 _EXAMPLE: Final = {
     "system": 1,
     "component": 1,
@@ -154,38 +108,70 @@ _EXAMPLE: Final = {
         "heading": 90.0,
     },
 }
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "vehicles")
 
-ROUTES: Final[tuple[AnyRoute, ...]] = (
-    ApiRoute(
-        method="GET",
-        path="/api/vehicles",
-        handler=_list,
-        summary="List the vehicles that were found",
-        tag="vehicles",
-        answer=[_EXAMPLE],
-    ),
-    ApiRoute(
-        method="GET",
-        path=_SYSTEM,
-        handler=_show,
-        summary="Show a vehicle: identity, capabilities, version, components, status texts",
-        tag="vehicles",
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="GET",
-        path=f"{_SYSTEM}/telemetry",
-        handler=_telemetry,
-        summary="Show the latest telemetry of a vehicle",
-        tag="vehicles",
-        answer={"system": 1, "attitude": {"roll": 0.5, "pitch": -1.2, "yaw": 90.0}, "mode": "GUIDED"},
-    ),
-    ApiRoute(
-        method="GET",
-        path=f"{_SYSTEM}/modes",
-        handler=_modes,
-        summary="List the flight modes of a vehicle",
-        tag="vehicles",
-        answer=[{"name": "GUIDED", "number": 4, "standard_mode": 0, "selectable": True, "advanced": False}],
-    ),
+
+@ROUTES.add("GET", "/api/vehicles", "List the vehicles that were found", answer=[_EXAMPLE])
+async def _list(call: PlainCall) -> list[dict[str, Any]]:
+    return [identity_json(vehicle) for vehicle in call.station.connection.vehicles.values()]
+
+
+@ROUTES.add(
+    "GET",
+    _SYSTEM,
+    "Show a vehicle: identity, capabilities, version, components, status texts",
+    answer=_EXAMPLE,
 )
+async def _show(call: PlainCall) -> dict[str, Any]:
+    vehicle = call.vehicle
+    version = vehicle.version
+    return {
+        **identity_json(vehicle),
+        "home": to_json(vehicle.home),
+        "capabilities": {**to_json(vehicle.capabilities), "msp": isinstance(vehicle.firmware, MspFirmware)},
+        "version": None if version is None else _version(version),
+        "components": [_component(info) for info in vehicle.components.values()],
+        **texts_json(vehicle),
+    }
+
+
+@ROUTES.add(
+    "GET",
+    f"{_SYSTEM}/telemetry",
+    "Show the latest telemetry of a vehicle",
+    answer={"system": 1, "attitude": {"roll": 0.5, "pitch": -1.2, "yaw": 90.0}, "mode": "GUIDED"},
+)
+async def _telemetry(call: PlainCall) -> dict[str, Any]:
+    return telemetry_json(call.vehicle)
+
+
+@ROUTES.add(
+    "GET",
+    f"{_SYSTEM}/modes",
+    "List the flight modes of a vehicle",
+    answer=[{"name": "GUIDED", "number": 4, "standard_mode": 0, "selectable": True, "advanced": False}],
+)
+async def _modes(call: PlainCall) -> list[dict[str, Any]]:
+    vehicle = call.vehicle
+    modes = await call.read("modes", vehicle.modes.list)
+    return [
+        {
+            "name": mode.name,
+            "number": mode.custom_mode,
+            "standard_mode": int(mode.standard_mode),
+            "selectable": mode.selectable,
+            "advanced": mode.advanced,
+        }
+        for mode in modes
+    ]
+
+
+def _version(version: object) -> Any:  # noqa: ANN401 (JSON)
+    if not is_dataclass(version) or isinstance(version, type):
+        return str(version)
+    return to_json({each.name: getattr(version, each.name) for each in fields(version)})
+
+
+def _component(info: ComponentInfo) -> dict[str, Any]:
+    values = asdict(info) | {"address": list(info.address)}
+    return {key: to_json(value) for key, value in values.items()}

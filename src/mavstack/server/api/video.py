@@ -11,9 +11,8 @@ from starlette.responses import FileResponse, Response
 
 from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import NoFields
+from mavstack.http.routes import NoFields, RouteTable
 from mavstack.security.roles import Role
-from mavstack.server.api.action_route import summary_of
 from mavstack.server.api.recordings import file_so_far
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call, PlainCall
 from mavstack.server.video.addresses import MAX_LENGTH, read_address
@@ -74,10 +73,28 @@ class RecordVideo(Fields):
     h265: Annotated[bool, Meta(description="An RTP stream is H.265, which its packets do not say.")] = False
 
 
+ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "cameras")
+
+
+@ROUTES.add(
+    "GET",
+    "/api/video",
+    "Return whether the station plays cameras, and how many viewers watch",
+    answer={"available": True, "viewers": 1},
+)
 async def _show(call: PlainCall) -> dict[str, Any]:
     return {"available": find_spec("aiortc") is not None, "viewers": call.station.video_viewers}
 
 
+@ROUTES.add(
+    "POST",
+    "/api/video/whep",
+    "Watch a camera by WebRTC: the body is the offer, the answer its session description (WHEP)",
+    takes_bytes=True,
+    max_body=MAX_OFFER,
+    status=201,
+    media_type=_SDP,
+)
 async def _watch(call: Call[None, WatchQuery]) -> Response:
     address = read_address(call.query.uri, is_h265=call.query.h265)
     gateway = call.station.video()
@@ -91,16 +108,25 @@ async def _watch(call: Call[None, WatchQuery]) -> Response:
     return Response(answer.sdp, status_code=201, media_type=_SDP, headers=headers)
 
 
+@ROUTES.add(
+    "DELETE",
+    "/api/video/whep/{viewer}",
+    "End watching a camera",
+    path_examples={"viewer": "Zk3bR0"},
+    answer={"viewers": 0},
+)
 async def _leave(call: PlainCall) -> dict[str, int]:
     # No error for an unknown viewer: its connection may have been closed before.
     await call.station.video().leave(call.path("viewer"))
     return {"viewers": call.station.video_viewers}
 
 
+@ROUTES.add("GET", "/api/video/recordings", "List the recorded videos of the station", answer=[_EXAMPLE])
 async def _list(call: PlainCall) -> list[dict[str, Any]]:
     return await asyncio.to_thread(call.station.videos.list)
 
 
+@ROUTES.add("POST", "/api/video/recordings", role=Role.OPERATE, status=201, answer=_EXAMPLE)
 async def _record(call: Call[RecordVideo, None]) -> dict[str, Any]:
     body = call.body
     address = read_address(body.uri, is_h265=body.h265)
@@ -109,85 +135,28 @@ async def _record(call: Call[RecordVideo, None]) -> dict[str, Any]:
     return await call.station.videos.start(address, body.uri, label_of(*words, body.name))
 
 
+@ROUTES.add(
+    "POST",
+    "/api/video/recordings/{name}/stop",
+    "End the recording of a camera",
+    path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
+    role=Role.OPERATE,
+    answer=_EXAMPLE | {"running": False},
+)
 async def _stop(call: Call[NoFields, None]) -> dict[str, Any]:
     return await call.station.videos.stop(call.path("name"))
 
 
+@ROUTES.add(
+    "GET",
+    "/api/video/recordings/{name}",
+    "Download a recorded video",
+    path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
+    media_type=_MP4,
+)
 async def _download(call: PlainCall) -> Response:
     videos, name = call.station.videos, call.path("name")
     path = videos.path(name)
     if videos.is_growing(name):
         return file_so_far(path, _MP4)
     return FileResponse(path, filename=path.name, media_type=_MP4)
-
-
-ROUTES: tuple[AnyRoute, ...] = (
-    ApiRoute(
-        method="GET",
-        path="/api/video",
-        handler=_show,
-        summary="Return whether the station plays cameras, and how many viewers watch",
-        tag="cameras",
-        answer={"available": True, "viewers": 1},
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/video/whep",
-        handler=_watch,
-        summary="Watch a camera by WebRTC: the body is the offer, the answer its session description (WHEP)",
-        tag="cameras",
-        query=WatchQuery,
-        takes_bytes=True,
-        max_body=MAX_OFFER,
-        status=201,
-        media_type=_SDP,
-    ),
-    ApiRoute(
-        method="DELETE",
-        path="/api/video/whep/{viewer}",
-        path_examples={"viewer": "Zk3bR0"},
-        handler=_leave,
-        summary="End watching a camera",
-        tag="cameras",
-        answer={"viewers": 0},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/video/recordings",
-        handler=_list,
-        summary="List the recorded videos of the station",
-        tag="cameras",
-        answer=[_EXAMPLE],
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/video/recordings",
-        handler=_record,
-        summary=summary_of(RecordVideo),
-        tag="cameras",
-        role=Role.OPERATE,
-        body=RecordVideo,
-        status=201,
-        answer=_EXAMPLE,
-    ),
-    ApiRoute(
-        method="POST",
-        path="/api/video/recordings/{name}/stop",
-        path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
-        handler=_stop,
-        summary="End the recording of a camera",
-        tag="cameras",
-        role=Role.OPERATE,
-        body=NoFields,
-        answer=_EXAMPLE | {"running": False},
-    ),
-    ApiRoute(
-        method="GET",
-        path="/api/video/recordings/{name}",
-        path_examples={"name": "copter-1-front-2026-11-28-101500.mp4"},
-        handler=_download,
-        summary="Download a recorded video",
-        tag="cameras",
-        media_type=_MP4,
-    ),
-)
