@@ -10,12 +10,19 @@ import pytest
 
 from mavstack import encode
 from mavstack.bridges.core.calls import CALLS
+from mavstack.bridges.core.zenoh_session import SessionOptions
+from mavstack.bridges.zenoh.bus import Bus
+from mavstack.bridges.zenoh.gateway import Gateway, GatewayOptions
 from mavstack.dialects import common
 from mavstack.security.roles import Role
+from mavstack.server.access import Access
+from mavstack.server.app import make_app
+from mavstack.server.station import Station
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.vehicle import Connection
 from tests.bridges.zenoh.running import fleet, get, until, zenoh_client, zenoh_router
 from tests.bridges.zenoh.test_link import zenoh_link
+from tests.server.asgi import ApiClient
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,6 +71,32 @@ def test_a_station_far_away_flies_the_fleet(router: int) -> None:
         assert guards[1].accepted > 3
 
     run(router, scenario, count=2)
+
+
+def test_the_station_shows_each_vehicle_once(router: int) -> None:
+    """Two gateways, and one of the vehicles is behind both."""
+
+    async def scenario(connection: Any, gateway: Any, session: Any) -> None:
+        bus = Bus(SessionOptions((f"tcp/127.0.0.1:{router}",)), "second")
+        async with (
+            Gateway(connection, bus, GatewayOptions(names={1: "gamma"})) as second,
+            Station(network_only=True) as station,
+        ):
+            await until(lambda: len(second.vehicles) == 3)
+            api = ApiClient(make_app(station, Access(), static=None))
+            source = {"url": f"zenoh://127.0.0.1:{router}"}
+            assert (await api.post("/api/sources", source)).status == 201
+            await until(lambda: len(station.connection.vehicles) == 3)
+            (found,) = (await api.get("/api/sources")).json
+            assert sorted(found["channels"]) == ["zenoh alpha", "zenoh gamma", "zenoh sys2", "zenoh sys3"]
+            vehicles = (await api.get("/api/vehicles")).json
+            assert [(each["system"], each["has_id_conflict"]) for each in vehicles] == [
+                (1, False),
+                (2, False),
+                (3, False),
+            ]
+
+    run(router, scenario, count=3)
 
 
 def test_messages_states_and_tokens(router: int) -> None:

@@ -22,11 +22,11 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-pytestmark = [pytest.mark.interop, pytest.mark.nightly]
+pytestmark = [pytest.mark.interop, pytest.mark.nightly, pytest.mark.timeout(600)]
 ROOT = Path(__file__).parents[3]
 NEAR, FAR = f"mavstack-n{os.getpid()}", f"mavstack-f{os.getpid()}"
-#: Vehicles of each network; the environment of a larger machine sets more.
-COUNT = int(os.environ.get("MAVSTACK_FLEET", "10"))
+#: Vehicles of each network; the environment may set others.
+COUNT = int(os.environ.get("MAVSTACK_FLEET", "100"))
 LOSS = 0.05
 TUNSETIFF, IFF_TAP, IFF_NO_PI = 0x400454CA, 2, 0x1000
 
