@@ -44,16 +44,23 @@ def corrections_of(second: int) -> list[bytes]:
 
 
 async def odometry(target: str, seconds: float) -> dict[str, Any]:
-    """Send odometry at 50 Hz with `vehicle.external`."""
+    """Send odometry at 50 Hz with `vehicle.external`, from callbacks, as a sensor calls them."""
     from mavstack import connect
 
     async with connect(_LISTENING + target) as connection:
         vehicle = await connection.wait_for_vehicle(timeout=20)
-        share, due = Share(), time.monotonic()
-        for _ in range(round(seconds * _HERTZ)):
+        loop, ended = asyncio.get_running_loop(), asyncio.Event()
+        share, begun = Share(), loop.time()
+
+        def measure(number: int) -> None:
             vehicle.external.odometry((1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0), velocity=(0.1, 0.2, 0.3))
-            due += 1 / _HERTZ
-            await asyncio.sleep(max(due - time.monotonic(), 0))
+            if number < seconds * _HERTZ:
+                loop.call_at(begun + number / _HERTZ, measure, number + 1)
+            else:
+                ended.set()
+
+        measure(1)
+        await ended.wait()
         return {"share": share.value}
 
 
@@ -170,7 +177,7 @@ async def corrections(target: str, seconds: float) -> dict[str, Any]:
 
 
 def corrections_pymavlink(target: str, seconds: float) -> dict[str, Any]:
-    """Measure the same with pymavlink, whose programs send all fragments at once."""
+    """Measure commands with pymavlink, whose programs send all fragments at once."""
     from pymavlink import mavutil
 
     link = mavutil.mavlink_connection(target.replace("udpout://", "udpout:"), dialect="common")
@@ -195,6 +202,34 @@ def corrections_pymavlink(target: str, seconds: float) -> dict[str, Any]:
     return found
 
 
+def corrections_mavsdk(target: str, seconds: float) -> dict[str, Any]:
+    """Measure commands with MAVSDK, then with corrections of its Rtk plugin."""
+    from base64 import b64encode
+
+    import mavsdk
+    from mavsdk.plugins import action, rtk
+
+    station = mavsdk.Mavsdk(mavsdk.Configuration.create_manual(245, 190, True))
+    station.add_any_connection(target.replace("udpout:", "udpout://"))
+    vehicle = station.first_autopilot(20.0)
+    actions, source = action.Action(vehicle), rtk.Rtk(vehicle)
+    time.sleep(5)
+    found: dict[str, Any] = {}
+    for name in ("without", "with"):
+        delays, begun = [], time.monotonic()
+        for number in range(round(seconds * _COMMANDS_A_SECOND)):
+            if name == "with" and number % _COMMANDS_A_SECOND == 0:
+                for frame in corrections_of(number):
+                    source.send_rtcm_data(rtk.RtcmData(b64encode(frame).decode()))
+            sent = time.monotonic()
+            actions.set_home(True, 0.0, 0.0, 0.0)
+            delays.append(time.monotonic() - sent)
+            due = begun + (number + 0.1 + number * 0.37 % 0.8) / _COMMANDS_A_SECOND
+            time.sleep(max(due - time.monotonic(), 0))
+        found[name] = delays
+    return found
+
+
 def _inject(link: Any, second: int) -> None:  # noqa: ANN401 (pymavlink has no types)
     for sequence, frame in enumerate(corrections_of(second)):
         parts = [frame[start : start + 180] for start in range(0, len(frame), 180)]
@@ -211,6 +246,7 @@ _PROGRAMS: Final[Mapping[str, Callable[[str, float], Any]]] = MappingProxyType(
         "traffic": traffic,
         "can": can_frames,
         "corrections": corrections,
+        "corrections-mavsdk": corrections_mavsdk,
         "corrections-pymavlink": corrections_pymavlink,
     }
 )

@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 
 _NOTHING: Final = (nan, nan, nan)
 _MAX_QUALITY: Final = 100
-#: The parts that are vectors or quaternions, and how many numbers they have.
-_SIZES: Final = (("position", 3), ("orientation", 4), ("velocity", 3), ("rotation", 3))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class PoseEstimate:
     """An estimate in the axes of its source; `None` and empty parts are not known.
 
@@ -66,26 +64,34 @@ class PoseEstimate:
     quality: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("frame", "body_frame"):
-            if not isinstance(getattr(self, name), Frame):
-                object.__setattr__(self, name, as_frame(getattr(self, name)))
+        if type(self.frame) is not Frame or type(self.body_frame) is not Frame:
+            self.frame, self.body_frame = as_frame(self.frame), as_frame(self.body_frame)
         if self.body_frame.knows_north:
             raise InvalidArgumentError(f"a body frame is FRD, FLU or RDF, got {self.body_frame}")
         if self.position is None and self.orientation is None and self.velocity is None:
             raise InvalidArgumentError("an estimate needs a position, an orientation or a velocity")
         self._check_vectors()
-        for name in ("pose_covariance", "velocity_covariance"):
-            if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
-                raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
+        if len(self.pose_covariance) or len(self.velocity_covariance):
+            self._check_covariances()
         if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
             raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
 
     def _check_vectors(self) -> None:
-        for name, size in _SIZES:
-            if (numbers := getattr(self, name)) is not None:
-                _check_numbers(name, numbers, size)
-        if self.orientation is not None and not 0 < hypot(*self.orientation) < inf:
-            raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
+        if self.position is not None:
+            _check_numbers("position", self.position, 3)
+        if self.velocity is not None:
+            _check_numbers("velocity", self.velocity, 3)
+        if self.rotation is not None:
+            _check_numbers("rotation", self.rotation, 3)
+        if self.orientation is not None:
+            _check_numbers("orientation", self.orientation, 4)
+            if not 0 < hypot(*self.orientation) < inf:
+                raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
+
+    def _check_covariances(self) -> None:
+        for name in ("pose_covariance", "velocity_covariance"):
+            if len(getattr(self, name)) not in (0, TRIANGLE, FULL):
+                raise InvalidArgumentError(f"{name} needs {FULL} or {TRIANGLE} numbers, or none")
 
     @property
     def parts(self) -> frozenset[str]:

@@ -46,7 +46,7 @@ class Frame(StrEnum):
     @property
     def knows_north(self) -> bool:
         """True for a world frame whose heading counts from north."""
-        return self in (Frame.NED, Frame.ENU)
+        return self is Frame.ENU or self is Frame.NED
 
 
 #: For each frame: the axis and the sign that belong to each of the three axes of MAVLink.
