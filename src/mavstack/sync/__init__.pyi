@@ -1412,6 +1412,28 @@ class External:
         InvalidStateError: The connection is closed.
     """
 
+    def wind(self, speed: float, direction: float, *, speed_accuracy: float | None=None, direction_accuracy: float | None=None, timeout: float | None=None) -> None:
+        """Set the wind that the estimator of the vehicle begins with (MAV_CMD_EXTERNAL_WIND_ESTIMATE).
+
+    PX4 takes it before the take-off. ArduPilot takes it at any time, for the estimate by which it flies
+    without an EKF.
+
+    Args:
+        speed: Metres per second over the ground.
+        direction: Degrees from north where the wind comes from.
+        speed_accuracy: The standard deviation of the speed, metres per second; None: not known.
+        direction_accuracy: The standard deviation of the direction, degrees; None: not known.
+        timeout: Seconds for the whole call; None: until retries are exhausted.
+
+    Raises:
+        InvalidArgumentError: A number is not possible.
+        ActionUnsupported: The firmware has no estimate of the wind; nothing was sent.
+        ActionRefused: A vehicle with PX4 is in the air; nothing was sent.
+        CommandDenied: The vehicle refused.
+        CommandTimeout: The vehicle did not answer.
+        ActionTimeout: The call did not end within `timeout`.
+    """
+
     def check(self, *, parts: frozenset[str]=..., timeout: float | None=None) -> ExternalStatus:
         """Find out whether the estimator uses the estimates of this program, and why not.
 

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import pytest
 
-from mavstack.dialects import ardupilotmega, common
+from mavstack.dialects import ardupilotmega, common, development
 from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.px4.harness import CMD, FIELD_ALTITUDE, RESULT, Px4Harness
@@ -236,6 +236,7 @@ def test_all_other_commands_are_unsupported(vehicle_type: VehicleType) -> None:
         CMD.DO_GO_AROUND,
         CMD.DO_VTOL_TRANSITION,
         CMD.NAV_VTOL_TAKEOFF,
+        development.MavCmd.EXTERNAL_WIND_ESTIMATE,  # tests/vehicle/external
         # These have tests of their own: test_log_streaming and telemetry/test_high_latency.
         *(CMD.LOGGING_START, CMD.LOGGING_STOP, CMD.CONTROL_HIGH_LATENCY),
     }

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.dialects import common
-from mavstack.errors import ActionUnsupported, InvalidArgumentError
+from mavstack.dialects import common, development
+from mavstack.errors import ActionRefused, ActionUnsupported, CommandDenied, InvalidArgumentError
 from mavstack.links import MemoryNetwork
 from mavstack.node import RemoteComponent
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.sim.autopilot.test_external_vision import VISION
@@ -20,6 +21,7 @@ from tests.sim.running import make_ready, running
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 if TYPE_CHECKING:
+    from mavstack.services.command import CommandRequest
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.vehicle import Vehicle
     from tests.vehicle.world import World
@@ -149,3 +151,75 @@ def test_px4_takes_positions_from_its_own_system():
             return simulated.body.sensors.gps_satellites, round(simulated.body.sensors.gps_latitude)
 
     assert run_virtually(flight()) == (7, 47)
+
+
+@pytest.mark.parametrize("firmware", [ARDUPILOT, PX4])
+def test_the_distance_of_a_companion_computer_is_that_of_the_rangefinder(firmware):
+    def prepare(simulated: SimulatedVehicle) -> None:
+        simulated.parameters.set("RNGFND1_TYPE", 10) if firmware is ARDUPILOT else None
+        simulated.reboot()
+
+    async def flight(world: World, vehicle: Vehicle) -> None:
+        reported: list[float] = []
+        vehicle.component.add_listener(
+            common.DistanceSensor, lambda message: reported.append(message.current_distance)
+        )
+        sensors = world.simulated.body
+        for distance in (3.2, 60.0):
+            vehicle.external.distance(distance, orientation=0)  # of a sensor that looks forward
+            for _ in range(20):
+                vehicle.external.distance(distance)
+                await asyncio.sleep(0.1)
+            assert sensors.sensors.distance == (3.2 if distance < 40 else inf)
+        assert 320 in reported
+        await asyncio.sleep(1)
+        assert sensors.range_report == (inf if firmware is ARDUPILOT else None)
+
+    fly((VehicleType.COPTER, firmware), flight, prepare=prepare)
+
+
+def test_px4_begins_with_the_wind_of_a_companion_computer():
+    async def flight(world: World, vehicle: Vehicle) -> None:
+        for wrong in ((-1.0, 0.0), (1.0, nan)):
+            with pytest.raises(InvalidArgumentError):
+                await vehicle.external.wind(*wrong)
+        with pytest.raises(InvalidArgumentError, match="an accuracy must be finite"):
+            await vehicle.external.wind(1.0, 0.0, speed_accuracy=-1.0)
+        await vehicle.external.wind(8.0, 450.0, speed_accuracy=1.0)  # from the east
+        message = await vehicle.component.request_message(common.WindCov)
+        assert (message.wind_x, message.wind_y) == (pytest.approx(0, abs=1e-5), pytest.approx(-8.0))
+        await vehicle.arm()
+        await vehicle.takeoff(5)
+        with pytest.raises(ActionRefused, match="PX4 takes a wind on the ground only"):
+            await vehicle.external.wind(8.0, 90.0)
+
+    fly((VehicleType.COPTER, PX4), flight)
+
+
+@pytest.mark.parametrize("second", [True, False])
+def test_the_answer_of_px4s_estimator_counts_not_that_of_its_commander(second):
+    async def flight(world: World, vehicle: Vehicle) -> None:
+        simulated = world.simulated
+        command = development.MavCmd.EXTERNAL_WIND_ESTIMATE
+
+        def refuse(request: CommandRequest) -> common.MavResult:
+            if second:
+                accepted = common.CommandAck(command=command, target_system=request.source.system)
+                simulated.engine.send(accepted, simulated.now, request.source)
+            return common.MavResult.UNSUPPORTED
+
+        simulated.services.commands.support(command, refuse)
+        if second:
+            await vehicle.external.wind(8.0, 90.0)
+        else:
+            with pytest.raises(CommandDenied):
+                await vehicle.external.wind(8.0, 90.0)
+
+    fly((VehicleType.COPTER, PX4), flight)
+
+
+def test_ardupilot_takes_a_wind():
+    async def flight(world: World, vehicle: Vehicle) -> None:
+        await vehicle.external.wind(8.0, 90.0, direction_accuracy=5.0)
+
+    fly((VehicleType.COPTER, ARDUPILOT), flight)

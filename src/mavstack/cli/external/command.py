@@ -12,7 +12,7 @@ from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.stdin_lines import stdin_lines
-from mavstack.errors import InvalidArgumentError, LinkURLError
+from mavstack.errors import InvalidArgumentError, LinkURLError, RemoteError
 from mavstack.links import BytesReceived, open_link
 from mavstack.services.external import Frame
 from mavstack.vehicle.external.records import KINDS, RecordReader, send_record
@@ -34,6 +34,7 @@ examples:
   mav external landing-target < tags.csv          # time,forward,right,down in metres
   mav external obstacles < sectors.csv            # time,d0,d1,d2 ... in metres, clockwise from forward
   mav external gps < receiver.csv                 # time,latitude,longitude,altitude,vx,vy,vz
+  mav external wind < station.csv                 # speed,direction in m/s and degrees, where it comes from
   mav external check --url udpin://0.0.0.0:14550  # do the settings let the estimator use estimates?
 """
 
@@ -143,21 +144,21 @@ class _Feed:
         watch = asyncio.get_running_loop().create_task(self._watch())
         try:
             async for line in lines:
-                self._send(line)
+                await self._send(line)
             if KINDS[self._kind].is_pose and self._sent:
                 await self._look()  # check before the measured rate falls, because nothing more is sent
         finally:
             watch.cancel()
             await asyncio.gather(watch, return_exceptions=True)
 
-    def _send(self, line: str) -> None:
+    async def _send(self, line: str) -> None:
         try:
             if len(line) > _MAX_LINE:
                 raise InvalidArgumentError(f"the line is longer than {_MAX_LINE} characters")
             if (record := self._reader.read(line)) is not None:
-                send_record(self._vehicle.external, *record, self._defaults)
+                await send_record(self._vehicle.external, *record, self._defaults)
                 self._sent += 1
-        except InvalidArgumentError as error:
+        except (InvalidArgumentError, RemoteError) as error:
             self._refused += 1
             if str(error) != self._problem:
                 self._problem = str(error)

@@ -33,6 +33,7 @@ _EXAMPLES: Final = {
     "obstacles": {"distances": [5.0, None, 3.2], "increment": 5.0},
     "distance": {"distance": 2.4},
     "follow-target": _PLACE,
+    "wind": {"speed": 6.5, "direction": 240.0},
 }
 
 
@@ -100,7 +101,7 @@ def _body(kind: str) -> type[Measurement]:
 def _route(kind: str) -> AnyRoute:
     async def handler(call: Call[Measurement, None]) -> dict[str, Any]:
         external = call.vehicle.external
-        send_record(external, kind, call.body.values)
+        await send_record(external, kind, call.body.values)
         return {"kind": kind, "estimates": external.monitor.sent}
 
     return ApiRoute(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
-from mavstack.dialects import ardupilotmega, common
+from mavstack.dialects import ardupilotmega, common, development
 from mavstack.sim.ardupilot.arming import prearm_problems
 from mavstack.sim.ardupilot.behaviours import land_by_mission
 from mavstack.sim.ardupilot.calibration import ArdupilotMaintenance
@@ -221,6 +221,7 @@ class ArdupilotSystem(CommandGroup):
             _CMD.DO_SEND_BANNER: self.send_banner,
             _CMD.BATTERY_RESET: self.reset_battery,
             _CMD.SET_EKF_SOURCE_SET: self.select_sources,
+            development.MavCmd.EXTERNAL_WIND_ESTIMATE: self.set_wind,
         }
 
     def enable_fence(self, request: CommandRequest) -> common.MavResult:
@@ -254,6 +255,11 @@ class ArdupilotSystem(CommandGroup):
             raise CommandRefusedError(_RESULT.FAILED)
         self.autopilot.body.recharge(remaining=percent / 100.0)
         return _RESULT.ACCEPTED
+
+    def set_wind(self, request: CommandRequest) -> common.MavResult:
+        """Answer EXTERNAL_WIND_ESTIMATE, which counts for DCM only: WIND shows the estimate of the EKF."""
+        speed, direction = request.command.param1, request.command.param3
+        return _RESULT.DENIED if speed < 0 or not 0 <= direction <= 360 else _RESULT.ACCEPTED
 
     def select_sources(self, request: CommandRequest) -> common.MavResult:
         """Answer SET_EKF_SOURCE_SET: 1 to 3."""

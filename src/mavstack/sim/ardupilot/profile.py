@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from math import inf
+from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
@@ -31,6 +32,7 @@ from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.ardupilot.traffic_avoidance import TrafficAvoidance
 from mavstack.sim.autopilot.commands.home import home_position
+from mavstack.sim.autopilot.external_range import ExternalRange
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.autopilot.origin import OriginReceiver
 from mavstack.sim.can import CanDevices
@@ -50,6 +52,9 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 _ALTITUDE_ONLY = 3
+#: The value of RNGFND1_TYPE for a rangefinder of a companion computer, and the seconds that a report counts.
+_RANGE_BY_MAVLINK: Final = 10
+_RANGE_TIMEOUT: Final = 0.5
 #: The first version of ArduRover that reports the altitude above home; older versions report the altitude
 #: above the sea instead.
 _ROVER_HEIGHT = (4, 2)
@@ -110,6 +115,9 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
         register_external_gps(vehicle)
+        vehicle.body.range_report = None
+        if int(vehicle.parameters.get("RNGFND1_TYPE", 0)) == _RANGE_BY_MAVLINK:
+            vehicle.engine.add(ExternalRange(vehicle, timeout=_RANGE_TIMEOUT, fallback=inf))
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
         register_follow(vehicle)

@@ -60,6 +60,10 @@ class BodyReader:
         self._truth: Motion | None = None
         self._estimate: Motion | None = None
         self._gps_report: GpsReport | None = None
+        #: The distance of a rangefinder outside the simulation in metres; None: the body's own counts.
+        self.range_report: float | None = None
+        #: The wind that a companion computer sent on the ground; None: the estimate is the true wind.
+        self.wind_report: Wind | None = None
 
     def _read(self) -> list[float]:
         """Return the published part of the column, copied once per step."""
@@ -122,7 +126,9 @@ class BodyReader:
 
     @property
     def wind(self) -> Wind:
-        """Velocity of the air at the body in m/s."""
+        """Velocity of the air at the body in m/s, as the vehicle estimates it."""
+        if self.wind_report is not None and self.on_ground:
+            return self.wind_report
         return Wind._make(self._read()[_AIR : _AIR + 3])
 
     @property
@@ -174,6 +180,8 @@ class BodyReader:
         """Sensor readings of this step."""
         world = self._world
         own = readings(world.sensor_values(self.column), self._read(), self.frame)
+        if self.range_report is not None:
+            own = own._replace(distance=self.range_report)
         return own if self._gps_report is None else own._replace(**self._gps_report._asdict())
 
     @property

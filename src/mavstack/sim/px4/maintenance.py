@@ -1,12 +1,13 @@
-"""PX4's ground commands: reboot, storage, actuators, gripper."""
+"""PX4's ground commands: reboot, storage, actuators, gripper, wind."""
 
 from __future__ import annotations
 
-from math import isfinite
+from math import cos, isfinite, radians, sin
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import common, development
 from mavstack.sim.autopilot.commands import Handlers, MaintenanceCommands, Outcome, number, waiting, whole
+from mavstack.sim.motion.readings import Wind
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
@@ -34,7 +35,15 @@ class Px4MaintenanceCommands(MaintenanceCommands):
             _CMD.ACTUATOR_TEST: self.test_actuator,
             _CMD.DO_SET_ACTUATOR: self.set_actuators,
             _CMD.DO_GRIPPER: self.grip,
+            development.MavCmd.EXTERNAL_WIND_ESTIMATE: self.set_wind,
         }
+
+    def set_wind(self, request: CommandRequest) -> common.MavResult:
+        """Answer EXTERNAL_WIND_ESTIMATE, which counts on the ground only."""
+        speed, bearing = max(number(request.command.param1), 0.0), radians(number(request.command.param3))
+        if self.autopilot.body.on_ground:
+            self.autopilot.body.wind_report = Wind(-speed * cos(bearing), -speed * sin(bearing), 0.0)
+        return _RESULT.ACCEPTED
 
     def reboot(self, request: CommandRequest) -> common.MavResult:
         """Answer PREFLIGHT_REBOOT_SHUTDOWN: only while disarmed; shutdown is not supported."""

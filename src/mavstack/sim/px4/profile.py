@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.services.component_metadata import provide_component_metadata
@@ -11,6 +11,7 @@ from mavstack.services.modes import ModeChanged
 from mavstack.services.statustext import EVENT_MARK
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.avoidance import LimitedVelocity
+from mavstack.sim.autopilot.external_range import ExternalRange
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
 from mavstack.sim.autopilot.obstacle_input import ObstacleInput
 from mavstack.sim.autopilot.origin import OriginReceiver
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.firmware_profile import Mode
     from mavstack.sim.vehicle import SimulatedVehicle
 
+#: Seconds that a distance of a companion computer counts, before that of the vehicle's own sensor again.
+_RANGE_TIMEOUT: Final = 0.5
 #: PX4's texts for the reasons of disarming that the autopilot base class uses.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
 
@@ -100,6 +103,8 @@ class Px4Profile(FirmwareProfile):
             LimitedVelocity(autopilot, partial(collision_margin, autopilot))
         TrafficAvoidance(autopilot)
         register_external_gps(vehicle)
+        vehicle.engine.add(ExternalRange(vehicle, timeout=_RANGE_TIMEOUT, fallback=None))
+        vehicle.body.wind_report = None
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
         autopilot.watches.append(LogStreaming(vehicle))

@@ -185,7 +185,9 @@ class SensorMessages:
 
     def _distance(self) -> float:
         """Return the measured distance in metres; the minimum on the ground."""
-        return _MIN_DISTANCE / 100.0 if self._view.body.on_ground else self._view.sensors.distance
+        body = self._view.body
+        on_ground = body.on_ground and body.range_report is None
+        return _MIN_DISTANCE / 100.0 if on_ground else self._view.sensors.distance
 
     def has_rangefinder(self) -> bool:
         """Return whether ArduPilot's parameters enable a rangefinder."""

@@ -55,9 +55,8 @@ PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
         "mission start": (armed,),
         "mission pause": (armed,),
         **dict.fromkeys(("arm", "disarm", "mode", "speed", "home", "terminate", "mission fly"), ()),
-        **dict.fromkeys(
-            ("command", "mission current", "roi", "outputs", "ekf sources", "reboot", "calibration"), ()
-        ),
+        **dict.fromkeys(("command", "mission current", "roi", "outputs", "ekf sources"), ()),
+        **dict.fromkeys(("reboot", "calibration", "wind"), ()),
     }
 )
 

@@ -16,7 +16,7 @@ from mavstack.dialects import common
 from mavstack.node.api_object import ReadOnly
 from mavstack.services.external import Frame, PoseEstimate, StreamMonitor
 from mavstack.services.external.estimates import as_frame
-from mavstack.vehicle.external import positioning, surroundings
+from mavstack.vehicle.external import positioning, surroundings, wind
 from mavstack.vehicle.external.check import check
 from mavstack.vehicle.external.times import microseconds
 
@@ -162,6 +162,7 @@ class External(ReadOnly):
     distance = surroundings.distance
     landing_target = surroundings.landing_target
     follow_target = surroundings.follow_target
+    wind = wind.wind
 
     check = check
 

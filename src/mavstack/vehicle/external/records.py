@@ -8,6 +8,7 @@ these:
     gps, follow-target        time,latitude,longitude,altitude,vx,vy,vz
     landing-target            time,forward,right,down
     distance                  time,distance
+    wind                      speed,direction,speed_accuracy,direction_accuracy
     obstacles                 time,d0,d1,d2 …
 
 An empty number is not known, an empty time means now. Lines that start with `#` are comments.
@@ -25,7 +26,7 @@ from mavstack.errors import InvalidArgumentError
 from mavstack.vehicle.external.external import External
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Mapping, Sequence
 
 _POSE: Final = "time,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 _PLACE: Final = "time,latitude,longitude,altitude,vx,vy,vz"
@@ -39,7 +40,7 @@ class RecordKind(NamedTuple):
         columns: The columns of a line without a header.
     """
 
-    call: Callable[..., None]
+    call: Callable[..., Awaitable[None] | None]
     columns: str
 
     @property
@@ -59,6 +60,7 @@ KINDS: Final[Mapping[str, RecordKind]] = MappingProxyType(
         "obstacles": RecordKind(External.obstacles, "time"),
         "distance": RecordKind(External.distance, "time,distance"),
         "follow-target": RecordKind(External.follow_target, _PLACE),
+        "wind": RecordKind(External.wind, "speed,direction,speed_accuracy,direction_accuracy"),
     }
 )
 #: Columns that are components of an argument: the argument, and the index of the component.
@@ -126,10 +128,10 @@ class RecordReader:
         return arguments
 
 
-def send_record(
+async def send_record(
     external: External, kind: str, values: Mapping[str, Any], defaults: Mapping[str, Any] | None = None
 ) -> None:
-    """Send a record.
+    """Send a record; a wind waits for the answer of the vehicle.
 
     Args:
         external: The data of the vehicle.
@@ -140,6 +142,7 @@ def send_record(
     Raises:
         InvalidArgumentError: The kind, an argument or a value is not possible.
         InvalidStateError: The connection is closed.
+        RemoteError: The vehicle refused the wind, or did not answer.
     """
     if kind not in KINDS:
         raise InvalidArgumentError(f"{kind!r} is not a kind of record; kinds: {', '.join(KINDS)}")
@@ -152,7 +155,9 @@ def send_record(
         problem = f"{unknown[0]} is not an argument" if unknown else f"{missing[0]} is missing"
         raise InvalidArgumentError(f"{kind}: {problem}; arguments: {', '.join(known)}")
     try:
-        KINDS[kind].call(external, **given)
+        answer = KINDS[kind].call(external, **given)
+        if answer is not None:
+            await answer
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidArgumentError(f"{kind}: {error}") from None
 

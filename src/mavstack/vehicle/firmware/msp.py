@@ -48,6 +48,7 @@ _LACKING: Final[Mapping[str, str]] = MappingProxyType(
         "gripper": "use a gripper",
         "winch": "use a winch",
         "ekf sources": "change the sources of its estimator",
+        "wind": "take a wind",
         "transition": "change between hovering and flying on a wing",
     }
 )
