@@ -9,6 +9,7 @@ import pytest
 from mavstack.dialects import Dialect
 from tests.codegen.conformance import CORPUS, check_runner, corpus, expected_lines, run, summary
 from tools.conformance.__main__ import main
+from tools.conformance.bootloader import bootloader_text
 from tools.conformance.corpus import DIALECTS, corpus_text
 from tools.conformance.msp import msp_text
 from tools.conformance.surveys import survey_files
@@ -38,6 +39,10 @@ def test_the_plans_of_surveys_are_up_to_date():
 
 def test_the_vectors_of_msp_are_up_to_date():
     assert (CORPUS / "msp.jsonl").read_text("ascii") == msp_text()
+
+
+def test_the_conversations_with_bootloaders_are_up_to_date():
+    assert (CORPUS / "bootloader.jsonl").read_text("ascii") == bootloader_text()
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)

@@ -39,14 +39,22 @@ def web_station(folder: Path, *words: str) -> Iterator[str]:
             process.terminate()
 
 
-def is_problem(message: Any) -> bool:
-    """Return whether a line of the console is an error; Chromium logs refused requests as such."""
-    return bool(message.type == "error") and not re.search("status of (400|409)", message.text)
+#: Refused requests, which Chromium logs as errors.
+REFUSED = re.compile("status of (400|409)")
+
+
+def is_problem(message: Any, refused: re.Pattern[str] = REFUSED) -> bool:
+    """Return whether a line of the console is an error that the test does not expect."""
+    return bool(message.type == "error") and not refused.search(message.text)
 
 
 @contextmanager
-def open_pages() -> Iterator[Any]:
-    """Run Chromium; yield a function that opens a page, whose consoles must be free of errors in the end."""
+def open_pages(refused: re.Pattern[str] = REFUSED) -> Iterator[Any]:
+    """Run Chromium; yield a function that opens a page, whose consoles must be free of errors in the end.
+
+    Args:
+        refused: Errors of the console that the test expects.
+    """
     path = find("chromium")
     if path is None:
         pytest.skip("no Chromium")
@@ -60,7 +68,7 @@ def open_pages() -> Iterator[Any]:
             page = browser.new_context(
                 viewport=PHONE if phone else DESKTOP, color_scheme=scheme, has_touch=phone
             ).new_page()
-            page.on("console", lambda each: problems.append(each.text) if is_problem(each) else None)
+            page.on("console", lambda each: problems.append(each.text) if is_problem(each, refused) else None)
             page.on("pageerror", lambda error: problems.append(str(error)))
             page.set_default_timeout(PATIENT)
             page.goto(url)

@@ -14,34 +14,11 @@ from mavstack.msp.messages.pid import InavPid, Pid
 from mavstack.msp.messages.rc import RcTuning
 from mavstack.msp.messages.vtx import VtxConfig
 from tests.server.browsing import open_pages, web_station
+from tests.server.web_serial import PORT
 from tests.sim.msp.peer import Peer
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
-
-#: A port of WebSerial whose bytes go to a simulated flight controller in the test.
-PORT = """
-(() => {
-  let source = null
-  const give = bytes => { if (bytes.length && source) source.enqueue(new Uint8Array(bytes)) }
-  const port = {
-    readable: null, writable: null,
-    async open() {
-      this.readable = new ReadableStream({ start(each) { source = each } })
-      this.writable = new WritableStream({ async write(data) { give(await window.exchange([...data])) } })
-      const poll = async () => {
-        if (source) give(await window.exchange([]))
-        if (source) setTimeout(poll, 50)
-      }
-      setTimeout(poll, 50)
-    },
-    async close() { source = null; this.readable = this.writable = null },
-    getInfo: () => ({ usbVendorId: 0x483, usbProductId: 0x5740 }),
-  }
-  const serial = { requestPort: async () => port, getPorts: async () => [port] }
-  Object.defineProperty(navigator, 'serial', { value: serial })
-})()
-"""
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from tools.conformance.bootloader import bootloader_text
 from tools.conformance.corpus import DIALECTS, corpus_text
 from tools.conformance.msp import msp_text
 from tools.conformance.surveys import survey_files
@@ -21,6 +22,7 @@ def main() -> int:
     outdated = []
     files = {f"{name}.jsonl": corpus_text(name) for name in DIALECTS}
     files["msp.jsonl"] = msp_text()
+    files["bootloader.jsonl"] = bootloader_text()
     files |= {f"survey/{name}": text for name, text in survey_files().items()}
     for name, text in files.items():
         path = FOLDER / name

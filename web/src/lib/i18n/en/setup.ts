@@ -38,6 +38,22 @@ export const setup = {
   firmwareFailed: 'Not restored: {names}',
   firmwareRefused: 'Only the role administer flashes firmware.',
   firmwareSearch: 'Look for ports again',
+  usbFirmware: 'Firmware of a board at this computer',
+  usbHint:
+    'The browser writes the firmware by USB, without the station. It does not save parameters: save them under ' +
+    'Parameters before. A board that loses its power stays in its bootloader, and can be flashed again.',
+  usbFile: 'File for the board',
+  usbConnect: 'Choose the port of the board',
+  usbBoard: 'Bootloader (revision {revision}) of {board}, {size} kB for the firmware',
+  usbVehicle: 'The autopilot of vehicle {system} runs at this port.',
+  usbStartBootloader: 'Start the bootloader',
+  usbBootloaderStarts:
+    'The autopilot starts its bootloader. Choose its port: for the browser it is another one than before.',
+  usbNothing: 'Neither a bootloader nor an autopilot answers at this port.',
+  usbStays: 'the board stays in its bootloader: choose its port, and flash it again',
+  usbFor: 'For {board}',
+  usbDone: 'The firmware is on {board}.',
+  usbFlash: 'Flash the board at this computer',
   noVehicle: 'Connect a vehicle to set it up.',
   loading: 'Downloading parameters',
   reload: 'Download again',

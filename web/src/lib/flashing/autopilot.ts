@@ -1,0 +1,55 @@
+/** A running autopilot at a port: it is asked to start its bootloader. */
+
+import { MavCmd, MavModeFlag, MavType } from '$generated';
+
+import { Decoder, Encoder } from '$lib/decoder/Decoder';
+
+import type { BootloaderLine } from './conversation';
+import { FlashingError } from './errors';
+
+/** Milliseconds to wait for a heartbeat, and for the bytes of the command to leave the port. */
+const HEARTBEAT_TIMEOUT = 4000;
+const SEND_TIME = 300;
+/** Param 1 of MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN. */
+const STAY_IN_BOOTLOADER = 3;
+
+export interface Autopilot {
+  readonly system: number;
+  readonly component: number;
+  readonly isArmed: boolean;
+}
+
+/** Resolves to the autopilot that sends heartbeats; null: none does. */
+export function findAutopilot(line: BootloaderLine, timeout = HEARTBEAT_TIMEOUT): Promise<Autopilot | null> {
+  return new Promise((resolve) => {
+    const decoder = new Decoder();
+    const end = (found: Autopilot | null): void => {
+      clearTimeout(timer);
+      stop();
+      resolve(found);
+    };
+    const timer = setTimeout(() => end(null), timeout);
+    const stop = line.onData((data) => {
+      for (const { name, system, component, fields } of decoder.push(data)) {
+        if (name !== 'HEARTBEAT' || fields.type === MavType.GCS) continue;
+        end({ system, component, isArmed: (Number(fields.base_mode) & MavModeFlag.SAFETY_ARMED) !== 0 });
+        return;
+      }
+    });
+  });
+}
+
+/** Asks an autopilot to start its bootloader; throws if it is armed. The port disappears then. */
+export async function startBootloader(line: BootloaderLine, autopilot: Autopilot): Promise<void> {
+  const { system, component, isArmed } = autopilot;
+  if (isArmed) throw new FlashingError(`flashing vehicle ${system} failed: it is armed; disarm it first`);
+  line.send(
+    new Encoder().build('COMMAND_LONG', {
+      target_system: system,
+      target_component: component,
+      command: MavCmd.PREFLIGHT_REBOOT_SHUTDOWN,
+      param1: STAY_IN_BOOTLOADER,
+    }),
+  );
+  await new Promise((resolve) => setTimeout(resolve, SEND_TIME));
+}
