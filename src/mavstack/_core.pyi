@@ -1185,6 +1185,33 @@ class Claims:
         """
 
 @final
+class DatagramSender:
+    """A UDP socket that sends several datagrams per system call, where the system can.
+
+    Args:
+        descriptor: The descriptor of the socket, which is duplicated.
+
+    Raises:
+        OSError: The descriptor is not open.
+    """
+
+    def __new__(cls, descriptor: int) -> Self: ...
+    def send(self, datagrams: list[tuple[bytes, tuple[object, ...]]]) -> tuple[int, bool]:
+        """Send datagrams in order until the system refuses one.
+
+        Args:
+            datagrams: The datagrams, each with the address of its receiver.
+
+        Returns:
+            The number of datagrams that were sent; and True if the system accepts no more at the moment, False if it
+            sent all or refused the next one for another reason.
+        """
+
+    @property
+    def calls(self) -> int:
+        """The number of system calls so far."""
+
+@final
 class Intake:
     """The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
 

@@ -9,7 +9,7 @@ use mavstack_intake::messages::Interest;
 use mavstack_intake::queue::{Datagrams, PacketRun};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyList, PyTuple};
+use pyo3::types::{PyBytes, PyList, PyString, PyTuple};
 use std::net::{IpAddr, SocketAddr, SocketAddrV6};
 
 /// The packets of a channel: those for the engine, those for listeners, and whether they were kept.
@@ -46,21 +46,24 @@ pub fn interest(level: u8) -> PyResult<Interest> {
 
 /// The address of a peer as sockets of Python give it; port 0: any port of the host.
 pub fn peer(address: &Bound<'_, PyTuple>) -> PyResult<Option<Peer>> {
-    let (host, port): (String, u16) = (address.get_item(0)?.extract()?, address.get_item(1)?.extract()?);
-    let Ok(ip) = host.parse::<IpAddr>() else {
+    let known = self::address(address)?;
+    Ok(known.map(|known| if known.port() == 0 { Peer::Host(known.ip()) } else { Peer::Address(known) }))
+}
+
+/// An address as sockets of Python give it; `None`: its host is not an IP address.
+pub fn address(address: &Bound<'_, PyTuple>) -> PyResult<Option<SocketAddr>> {
+    let (host, port) = (address.get_item(0)?.cast_into::<PyString>()?, address.get_item(1)?.extract()?);
+    // The name of a scope follows the address; its number is in the tuple.
+    let Ok(ip) = host.to_str()?.split('%').next().unwrap_or_default().parse::<IpAddr>() else {
         return Ok(None);
     };
-    if port == 0 {
-        return Ok(Some(Peer::Host(ip)));
-    }
-    let address = match ip {
+    Ok(Some(match ip {
         IpAddr::V6(v6) if address.len() == 4 => {
             let (flow, scope): (u32, u32) = (address.get_item(2)?.extract()?, address.get_item(3)?.extract()?);
             SocketAddr::V6(SocketAddrV6::new(v6, port, flow, scope))
         }
         _ => SocketAddr::new(ip, port),
-    };
-    Ok(Some(Peer::Address(address)))
+    }))
 }
 
 fn to_tuple(py: Python<'_>, address: SocketAddr) -> PyResult<Bound<'_, PyTuple>> {

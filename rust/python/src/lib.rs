@@ -9,6 +9,7 @@ mod claims;
 mod class;
 mod construct;
 mod dataflash;
+mod datagrams;
 mod dialect;
 mod encode;
 mod errors;
@@ -74,6 +75,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ulog::UlogIndex>()?;
     module.add_class::<claims::Claims>()?;
     module.add_class::<intake::Intake>()?;
+    module.add_class::<datagrams::DatagramSender>()?;
     module.add_class::<router::RouterCore>()?;
     module.add_class::<packet_router::PacketRouter>()?;
     module.add("MessageMeta", class::metaclass(py)?)?;

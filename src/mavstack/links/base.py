@@ -190,6 +190,12 @@ class Link(ABC):
         """
         return None
 
+    def hold(self) -> None:  # noqa: B027 - only some links send several chunks together
+        """Let chunks that are written wait until `release`, if the link can send them together."""
+
+    def release(self) -> None:  # noqa: B027 - as above
+        """Send the chunks that were written since `hold`."""
+
     @abstractmethod
     async def open_transport(self) -> None:
         """Open the transport, and start the tasks that read from it.

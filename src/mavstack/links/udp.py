@@ -14,7 +14,7 @@ dropped and counted. `kernel_drops` counts datagrams that the kernel dropped bef
 reports it (Linux): a larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max; a
 process with CAP_NET_ADMIN may exceed it). A link to a loopback address is reachable from this machine only.
 Sending never blocks and never raises: an unreachable peer may become reachable later, so errors only count as
-drops.
+drops. While the kernel accepts no more, datagrams wait (see `udp_outbox`).
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ from mavstack.links.native_reading import NativeReading
 from mavstack.links.os_errors import open_error
 from mavstack.links.probation import Probation
 from mavstack.links.udp_channel import UdpChannel
+from mavstack.links.udp_outbox import UdpOutbox
+from mavstack.links.udp_transport import TransportOutbox
 from mavstack.security.admission import Proof
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
 DEFAULT_SOCKET_BUFFER = 4 << 20
 MAX_DIRECT = 64  # datagrams handled per wake-up of the event loop; if more wait, the backlog is used
 MAX_BATCH = 1024  # maximum number of datagrams read into the backlog at a time
+CLOSE_TIMEOUT = 1.0  # seconds for which closing a link waits until the system accepts waiting datagrams
 BACKLOG_TIME = 0.004  # seconds for which the backlog is handled until the kernel's queue is emptied again
 CLOCK_INTERVAL = 8  # datagrams handled between two readings of the clock
 MAX_DATAGRAM = 1 << 16
@@ -66,12 +69,12 @@ class UdpLink(Link):
         super().__init__(url, options)
         self._buffer = options.size("socket_buffer", DEFAULT_SOCKET_BUFFER)
         self._socket: socket.socket | None = None
-        self._transport: asyncio.DatagramTransport | None = None
         self._backlog = Backlog()
         self._filter: FloodFilter | None = None
         self._known_drops = 0
         self._filter_timer: asyncio.TimerHandle | None = None
         self._native: NativeReading | None = None
+        self._outbox: UdpOutbox | TransportOutbox | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -88,18 +91,19 @@ class UdpLink(Link):
             return int(struct.unpack_from("9I", info)[8])
         return None
 
-    def send_to(self, data: Data, address: Address) -> bool:
-        """Send one datagram; return false if the kernel refuses it."""
-        if self._transport is not None:
-            queued = self._transport.get_write_buffer_size()  # type: ignore[attr-defined]
-            if queued + len(data) > self._send_queue:
-                return False
-            self._transport.sendto(data, address)
-            return True
-        try:
-            return self._socket is not None and self._socket.sendto(data, address) >= 0
-        except OSError:
-            return False
+    def send_to(self, data: Data, channel: UdpChannel) -> bool:
+        """Send one datagram, or let it wait; return false if it is dropped."""
+        return self._outbox is not None and self._outbox.send(data, channel)
+
+    def hold(self) -> None:
+        """Let datagrams that are written wait until `release`, which sends them together."""
+        if isinstance(self._outbox, UdpOutbox):
+            self._outbox.hold()
+
+    def release(self) -> None:
+        """Send the datagrams that were written since `hold`."""
+        if isinstance(self._outbox, UdpOutbox):
+            self._outbox.release()
 
     def receive(self, data: bytes, address: Address, count: int = 1) -> None:
         """Receive a datagram, or `count` joined ones, from another reader of the socket."""
@@ -107,7 +111,8 @@ class UdpLink(Link):
 
     def read_natively(self, intake: Intake, number: int) -> NativeReading | None:
         """Let an intake read the socket; return None if the link goes on to read it."""
-        if self._socket is None or self._transport is not None or not self._has_plain_peers():
+        is_watched = isinstance(self._outbox, UdpOutbox)
+        if self._socket is None or not is_watched or not self._has_plain_peers():
             return None
         self._native = NativeReading(self, intake, number)
         self._native.start()
@@ -170,8 +175,10 @@ class UdpLink(Link):
         loop = asyncio.get_running_loop()
         try:
             loop.add_reader(sock, self._readable, sock)
+            self._outbox = UdpOutbox(sock, self._send_queue, self.inbox)
         except NotImplementedError:
-            self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), sock=sock)
+            self._outbox = TransportOutbox(self._send_queue, self.receive)
+            await self._outbox.open(sock)
 
     def _readable(self, sock: socket.socket) -> None:
         if self._backlog:  # a callback for the next part of the backlog is scheduled already
@@ -266,17 +273,18 @@ class UdpLink(Link):
         self._backlog.clear()
         if self._filter_timer is not None:
             self._filter_timer.cancel()
-        if self._socket is not None and self._transport is None:
+        if self._socket is not None and not isinstance(self._outbox, TransportOutbox):
             with suppress(NotImplementedError):
                 asyncio.get_running_loop().remove_reader(self._socket)
 
     async def release_transport(self) -> None:
         """Release the remaining resources."""
-        if self._transport is not None:
-            self._transport.close()
+        if self._outbox is not None:
+            outbox, self._outbox = self._outbox, None
+            await outbox.close(CLOSE_TIMEOUT)
         elif self._socket is not None:
             self._socket.close()
-        self._socket = self._transport = None
+        self._socket = None
 
 
 class UdpListener(UdpLink):
@@ -382,13 +390,3 @@ class UdpListener(UdpLink):
             oldest = time() - self.idle
             for channel in [peer for peer in self._peers.values() if peer.last_received < oldest]:
                 channel.close(f"silent for {self.idle:g} s")
-
-
-class _Protocol(asyncio.DatagramProtocol):
-    """The transport protocol for event loops without socket readers."""
-
-    def __init__(self, link: UdpLink) -> None:
-        self._link = link
-
-    def datagram_received(self, data: bytes, addr: Address) -> None:
-        self._link.receive(data, addr)

@@ -79,7 +79,7 @@ class UdpChannel(Channel):
         """Send or queue a chunk."""
         if self.probation is not None and not self.probation.may_send(data):
             return False
-        return self._link.send_to(data, self.address)
+        return self._link.send_to(data, self)
 
     def close_transport(self) -> None:
         """Start closing the transport."""

@@ -74,6 +74,8 @@ class Driver:
         self._by_state: dict[ChannelState, Channel] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._timer: asyncio.TimerHandle | None = None
+        self._links: set[Link] = set()
+        self._steps_soon = False
         self._receiving = True
         self._stopped = False
         self._waiting: dict[Operation[Any], asyncio.Future[None]] = {}
@@ -152,14 +154,24 @@ class Driver:
             self.hurry()
         now = self.now()
         while True:
-            for state, data in self.engine.data_to_send(now):
-                self._write(state, data)
+            self._write_all(self.engine.data_to_send(now))
             events = self.engine.events()
             if not events:
                 break
             for service, event in events:
                 self._deliver(event, service)
         self._set_timer()
+
+    def step_soon(self) -> None:
+        """Call `step` at the end of this turn of the event loop: what is sent in one turn leaves together."""
+        if not self._steps_soon:
+            self._steps_soon = True
+            self._loop.call_soon(self._end_turn)
+
+    def _end_turn(self) -> None:
+        self._steps_soon = False
+        self.hurry()
+        self.step()
 
     def hurry(self) -> None:
         """Receive packets without delay for a moment, because an answer is awaited."""
@@ -225,6 +237,18 @@ class Driver:
     def _report(self, description: str, error: Exception) -> None:
         self._loop.call_exception_handler({"message": f"{description} failed", "exception": error})
 
+    def _write_all(self, outgoing: Sequence[tuple[ChannelState, bytes]]) -> None:
+        """Write data; what goes to one link leaves together, if the link can send it so."""
+        held = self._links if len(outgoing) > 1 else ()
+        for link in held:
+            link.hold()
+        try:
+            for state, data in outgoing:
+                self._write(state, data)
+        finally:
+            for link in held:
+                link.release()
+
     def _write(self, state: ChannelState, data: bytes) -> None:
         channel = self._by_state.get(state)
         if channel is not None and not channel.closed:
@@ -240,9 +264,12 @@ class Driver:
         try:
             if self.native is not None:
                 self.native.add(link)
+            self._links.add(link)
             await link.read(partial(self._handle_events, link))
         except (InvalidStateError, LinkError) as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
+        finally:
+            self._links.discard(link)
 
     def _authenticates(self, data: bytes) -> bool:
         return self.engine.signing_states.authenticates(data, self.engine.dialect, self.now())

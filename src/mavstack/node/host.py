@@ -122,8 +122,7 @@ class NodeHost:
     def send(self, message: Message, target: Address | None = None) -> None:
         """Send a message to a target, or to the address in its target fields."""
         self.engine.send(message, self.driver.now(), target)
-        self.driver.hurry()
-        self.driver.step()
+        self.driver.step_soon()
 
     def receive_packet(self, packet: Packet) -> None:
         """Keep a packet as the latest of its message, and deliver it."""

@@ -198,7 +198,7 @@ def forward(node: Node, packet: Packet, target: Address | None = None) -> None:
         InvalidStateError: The node is closed.
     """
     host_of(node).engine.forward(packet, host_of(node).now(), target)
-    host_of(node).driver.step()
+    host_of(node).driver.step_soon()
 
 
 def _unchanged(packet: Packet) -> Packet:

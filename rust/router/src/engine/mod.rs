@@ -22,6 +22,7 @@ pub mod notify;
 pub mod peer_range;
 pub mod queue;
 mod reading;
+pub mod sender;
 mod shares;
 pub mod snapshot;
 pub mod stream;
