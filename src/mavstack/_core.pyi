@@ -1213,7 +1213,7 @@ class DatagramSender:
 
 @final
 class Intake:
-    """The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
+    """The input of a node: a thread that reads sockets and streams, and the latest packet of each source and message.
 
     A packet is kept from the program if its source was granted on its channel and the program decided that no part of
     it waits for its message; all others wait in a queue. The latest packets are kept of systems that are followed.
@@ -1260,11 +1260,27 @@ class Intake:
             RuntimeError: The thread does not run.
         """
 
-    def remove_socket(self, socket: int) -> None:
-        """Read a socket no more; its copy is closed when the call returns. Idempotent.
+    def add_stream(self, channel: int, descriptor: int, is_terminal: bool) -> None:
+        """Read a stream, whose descriptor is duplicated, from now on, for a channel that was given to `attach_fed`.
+
+        It is not read while too many packets wait, so that the system slows down its sender. When it ends, `take`
+        returns its number after its last packet.
 
         Args:
-            socket: The number of the socket.
+            channel: The number of the channel.
+            descriptor: The descriptor of a connection or a serial port.
+            is_terminal: It is a serial port or another terminal.
+
+        Raises:
+            OSError: The descriptor is not open, or the system cannot wait for it.
+            RuntimeError: The thread does not run.
+        """
+
+    def remove_socket(self, socket: int) -> None:
+        """Read a socket or stream no more; its copy is closed when the call returns. Idempotent.
+
+        Args:
+            socket: The number of the socket, or of the stream's channel.
         """
 
     def hurry(self, seconds: float) -> bool:
@@ -1401,7 +1417,7 @@ class Intake:
         list[tuple[int, list[Packet], list[Packet], bool]],
         list[tuple[int, tuple[Any, ...], bytes, int]],
         list[tuple[tuple[int, int], int]],
-        list[int],
+        list[tuple[int, int]],
         bool,
     ]:
         """Remove and return the packets and datagrams that wait, after the sockets were read if the program is to do so.
@@ -1411,7 +1427,8 @@ class Intake:
             already; of those that are not kept the listeners are not known); the datagrams of senders that the
             intake does not parse, as (socket, address, data, number of datagrams); the messages to `decide` about,
             as (source, message id); the sockets that the program must read itself from now on, because it did not
-            keep up; and whether the program is to wait for the other sockets from now on, as `hurry` returns it.
+            keep up, and the streams, because they ended, each with the number of the error or 0; and whether the
+            program is to wait for the other ones from now on, as `hurry` returns it.
         """
 
     def deliver(

@@ -127,7 +127,7 @@ async def test_a_refused_datagram_is_counted_and_does_not_delay_the_next_ones(sl
 
 async def test_a_datagram_that_is_written_alone_waits_too_if_it_must(slow):
     class FullSocket(socket.socket):
-        def sendto(self, data, address):
+        def sendto(self, data, address):  # type: ignore[override]
             raise BlockingIOError
 
     async with open_link("udpout://127.0.0.1:9") as link:

@@ -49,7 +49,9 @@ impl Intake {
     /// Receives a datagram.
     pub fn receive(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
         match self.channel_of(socket, address) {
-            Some(channel) => self.parse(channel, data, now),
+            Some(channel) => {
+                self.read(channel, data, now);
+            }
             None => self.queue.push_datagram(socket, address, data, now),
         }
     }
@@ -65,10 +67,12 @@ impl Intake {
         known
     }
 
-    fn parse(&mut self, number: u32, data: &[u8], now: f64) {
+    /// Receives bytes of a channel; returns the number of packets.
+    pub fn read(&mut self, number: u32, data: &[u8], now: f64) -> usize {
+        let mut count = 0;
         let Self { channels, messages, queue, dialect, fields, .. } = self;
         let Some(channel) = channels.get_mut(&number) else {
-            return;
+            return 0;
         };
         let Channel { parser, sources, activity } = channel;
         activity.bytes += data.len() as u64;
@@ -76,6 +80,7 @@ impl Intake {
         activity.received_at = now;
         parser.lock().unwrap_or_else(PoisonError::into_inner).feed(dialect, data, |packet| {
             activity.valid_at = now;
+            count += 1;
             let header = packet.header;
             let granted = sources.get_mut(&(header.system, header.component)).filter(|_| !header.signed());
             let Some(source) = granted else {
@@ -104,6 +109,7 @@ impl Intake {
                 queue.push_kept(number, &packet, takers, urgency, now);
             }
         });
+        count
     }
 
     /// Lets the intake parse what a sender sends, unless datagrams of it wait for the program; returns whether it does.
@@ -117,7 +123,7 @@ impl Intake {
         true
     }
 
-    /// Lets the intake parse what `feed` gives it, which the program reads from a channel.
+    /// Lets the intake parse what `feed` or `read` give it, which come from a stream.
     pub fn attach_fed(&mut self, channel: u32, parser: SharedParser) {
         self.channels.insert(channel, Channel { parser, sources: KeyMap::default(), activity: Activity::default() });
     }
@@ -125,7 +131,7 @@ impl Intake {
     /// Parses bytes that the program received on a channel, and counted; returns whether a packet in them is valid.
     pub fn feed(&mut self, channel: u32, data: &[u8], now: f64) -> bool {
         let before = self.channels.get(&channel).map(|known| known.activity);
-        self.parse(channel, data, now);
+        self.read(channel, data, now);
         let Some((known, before)) = self.channels.get_mut(&channel).zip(before) else {
             return false;
         };

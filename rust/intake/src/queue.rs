@@ -105,12 +105,34 @@ pub struct Queue {
     is_announced: bool,
     /// Sockets that the program must read itself, because it did not keep up.
     overloaded: Vec<u32>,
+    /// Streams that ended, with the number of the error; 0: without one.
+    ended: Vec<(u32, i32)>,
+    /// Streams were not read since the last `take`.
+    has_blocked: bool,
+}
+
+/// The items that the program takes at once.
+#[derive(Debug, Default)]
+pub struct Taken {
+    pub items: Vec<Item>,
+    /// Sockets that the program must read itself from now on.
+    pub overloaded: Vec<u32>,
+    /// Streams that ended, all of whose packets were taken.
+    pub ended: Vec<(u32, i32)>,
+    /// Streams were not read because too much waited.
+    pub had_blocked: bool,
 }
 
 impl Queue {
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.count >= MAX_WAITING
+    }
+
+    /// Returns whether streams must not be read until the program takes something.
+    pub fn blocks_streams(&mut self) -> bool {
+        self.has_blocked |= self.is_full();
+        self.is_full()
     }
 
     /// Adds a packet that was kept as a latest packet, for those who take it.
@@ -175,6 +197,12 @@ impl Queue {
         self.urgency = Urgency::Now;
     }
 
+    /// Notes that a stream ended.
+    pub fn end(&mut self, number: u32, error: i32) {
+        self.ended.push((number, error));
+        self.urgency = Urgency::Now;
+    }
+
     /// Returns the urgency of the packets since the last call.
     pub fn take_fresh(&mut self) -> Urgency {
         std::mem::take(&mut self.fresh)
@@ -192,8 +220,8 @@ impl Queue {
         self.urgency >= threshold && !std::mem::replace(&mut self.is_announced, true)
     }
 
-    /// Removes and returns the first of what waits, and the sockets that the program must read itself from now on.
-    pub fn take(&mut self) -> (Vec<Item>, Vec<u32>) {
+    /// Removes and returns the first of what waits, and the sockets and streams that are read no more.
+    pub fn take(&mut self) -> Taken {
         let (mut items, mut count) = (Vec::new(), 0);
         while count < MAX_TAKEN
             && let Some(item) = self.items.pop_front()
@@ -203,10 +231,13 @@ impl Queue {
         }
         self.count -= count;
         self.is_announced = self.is_waiting();
+        let mut ended = Vec::new();
         if !self.is_announced {
             self.urgency = Urgency::None;
+            ended = std::mem::take(&mut self.ended);
         }
-        (items, std::mem::take(&mut self.overloaded))
+        let had_blocked = std::mem::take(&mut self.has_blocked);
+        Taken { items, overloaded: std::mem::take(&mut self.overloaded), ended, had_blocked }
     }
 
     /// Drops everything that waits.

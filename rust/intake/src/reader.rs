@@ -1,4 +1,4 @@
-//! The reader of UDP sockets into an [`Intake`]: a thread, and the program where that is cheaper (see [`crate::pace`]).
+//! The reader of sockets and streams into an [`Intake`]: a thread, and the program where that is cheaper (see [`crate::pace`]).
 //!
 //! The thread wakes the program by a descriptor, and only if something waits for it. After a turn without urgent packets
 //! it rests, so that packets which come soon after each other cost one wake-up of the thread and one of the program.
@@ -6,8 +6,9 @@
 use crate::intake::Intake;
 use crate::pace::Mode;
 use crate::queue::Urgency;
-use crate::sockets::{Scope, Sockets, Turn};
+use crate::sockets::{Scope, Sockets, Transport, Turn};
 use mavstack_router::engine::notify::Notifier;
+use mavstack_router::engine::stream::RawStream;
 use mio::net::UdpSocket;
 use mio::{Events, Interest, Poll, Registry, Token, Waker};
 use std::io;
@@ -58,6 +59,10 @@ impl Shared {
             self.remove(&mut sockets, number);
             lock(&self.intake).queue.overload(number);
         }
+        for &(number, error) in &turn.ended {
+            self.remove(&mut sockets, number);
+            lock(&self.intake).queue.end(number, error);
+        }
         turn
     }
 
@@ -83,7 +88,7 @@ impl Shared {
     fn remove(&self, sockets: &mut Sockets, number: u32) {
         if let Some(mut removed) = sockets.remove(number) {
             // It fails only if the thread's poll is gone.
-            let _ = self.registry.deregister(&mut removed);
+            let _ = removed.with_source(|source| source.deregister(&self.registry));
         }
     }
 }
@@ -124,14 +129,23 @@ impl Reader {
     /// Reads a socket from now on.
     pub fn add(&self, number: u32, socket: std::net::UdpSocket) -> io::Result<()> {
         socket.set_nonblocking(true)?;
-        let mut socket = UdpSocket::from_std(socket);
-        self.shared.registry.register(&mut socket, Token(number as usize), Interest::READABLE)?;
-        lock(&self.shared.sockets).add(number, socket);
+        self.add_transport(number, Transport::datagrams(UdpSocket::from_std(socket)))
+    }
+
+    /// Reads a stream from now on, for the channel of the same number.
+    pub fn add_stream(&self, number: u32, stream: RawStream, is_terminal: bool) -> io::Result<()> {
+        self.add_transport(number, Transport::Stream { stream, is_terminal })
+    }
+
+    fn add_transport(&self, number: u32, mut transport: Transport) -> io::Result<()> {
+        let registry = &self.shared.registry;
+        transport.with_source(|source| source.register(registry, Token(number as usize), Interest::READABLE))?;
+        lock(&self.shared.sockets).add(number, transport);
         self.wake();
         Ok(())
     }
 
-    /// Closes the copy of a socket. Idempotent.
+    /// Closes the copy of a socket or stream. Idempotent.
     pub fn remove(&self, number: u32) {
         self.shared.remove(&mut lock(&self.shared.sockets), number);
     }
@@ -148,6 +162,12 @@ impl Reader {
             self.wake();
         }
         self.shared.is_in(Mode::Direct)
+    }
+
+    /// Reads streams again that were not read because the program did not keep up: it has taken packets.
+    pub fn unblock(&self) {
+        lock(&self.shared.sockets).unblock();
+        self.wake();
     }
 
     /// Signals that something is left after the program took a part.

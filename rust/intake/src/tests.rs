@@ -92,7 +92,7 @@ fn attached() -> Intake {
 /// Returns the number of packets that wait and were kept, of those that were not, and of datagrams.
 fn taken(intake: &mut Intake) -> (usize, usize, usize) {
     let mut counts = (0, 0, 0);
-    for item in intake.queue.take().0 {
+    for item in intake.queue.take().items {
         match item {
             Item::Packets(run) if run.is_kept => counts.0 += run.packets().count(),
             Item::Packets(run) => counts.1 += run.packets().count(),
@@ -237,7 +237,7 @@ fn packets_that_only_listeners_take_need_no_check_of_the_engine() {
     intake.messages.decide(SOURCE, HEARTBEAT, Decision { interest: Interest::Nothing, is_listened: true });
     intake.receive(0, address(9), &heartbeat(), 1.0);
     assert_eq!(intake.queue.take_fresh(), Urgency::Prompt);
-    let (items, _) = intake.queue.take();
+    let items = intake.queue.take().items;
     let Some(Item::Packets(run)) = items.first() else { panic!("no packets") };
     assert!(run.packets().all(|(_, takers)| takers == Takers { engine: false, listeners: true }));
 }
@@ -250,7 +250,7 @@ fn the_program_takes_a_part_of_many_packets_at_once_and_all_in_order() {
     }
     let mut boot_times = Vec::new();
     while intake.queue.is_waiting() {
-        let (items, _) = intake.queue.take();
+        let items = intake.queue.take().items;
         let before = boot_times.len();
         for item in &items {
             let Item::Packets(run) = item else { panic!("no packets") };
@@ -341,7 +341,7 @@ fn a_thread_reads_sockets_and_gives_one_back_that_the_program_cannot_follow() {
         is_given_back = intake.queue.is_full();
         is_given_back
     });
-    wait_for(|| shared.lock().expect("no panic").queue.take().1 == [5]);
+    wait_for(|| shared.lock().expect("no panic").queue.take().overloaded == [5]);
     reader.remove(5);
     reader.close();
     reader.close();

@@ -6,7 +6,7 @@ use crate::intake_listeners::Listeners;
 use crate::intake_values::{Run, datagrams, interest, peer, to_activity, to_heading, to_position, to_run};
 use crate::packet;
 use crate::parser::Parser;
-use crate::router_descriptors::udp_of;
+use crate::router_descriptors::{stream_of, udp_of};
 use mavstack_core::parser::Packet;
 use mavstack_intake::channel::Boot;
 use mavstack_intake::fields::Fields;
@@ -22,10 +22,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Packets that were made into objects, with their numbers: one object for each packet.
 type Made = HashMap<(u8, u8, u32), (u64, Py<PyAny>)>;
-/// Runs, datagrams, messages to decide about, sockets that the program must read, and whether it is to read all.
-type Taken<'py> = (Vec<Run<'py>>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<u32>, bool);
+/// Runs, datagrams, messages to decide about, sockets and streams that the program must read, and whether it is to read
+/// all.
+type Taken<'py> = (Vec<Run<'py>>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<(u32, i32)>, bool);
 
-/// The input of a node: a thread that reads UDP sockets, and the latest packet of each source and message.
+/// The input of a node: a thread that reads sockets and streams, and the latest packet of each source and message.
 ///
 /// A packet is kept from the program if its source was granted on its channel and the program decided that no part of
 /// it waits for its message; all others wait in a queue. The latest packets are kept of systems that are followed.
@@ -103,10 +104,30 @@ impl Intake {
         Ok(reader.add(socket, copy)?)
     }
 
-    /// Read a socket no more; its copy is closed when the call returns. Idempotent.
+    /// Read a stream, whose descriptor is duplicated, from now on, for a channel that was given to `attach_fed`.
+    ///
+    /// It is not read while too many packets wait, so that the system slows down its sender. When it ends, `take`
+    /// returns its number after its last packet.
     ///
     /// Args:
-    ///     socket: The number of the socket.
+    ///     channel: The number of the channel.
+    ///     descriptor: The descriptor of a connection or a serial port.
+    ///     is_terminal: It is a serial port or another terminal.
+    ///
+    /// Raises:
+    ///     OSError: The descriptor is not open, or the system cannot wait for it.
+    ///     RuntimeError: The thread does not run.
+    fn add_stream(&self, channel: u32, descriptor: i64, is_terminal: bool) -> PyResult<()> {
+        let copy = stream_of(descriptor)?;
+        let reader = lock(&self.reader);
+        let reader = reader.as_ref().ok_or_else(|| PyRuntimeError::new_err("the thread does not run"))?;
+        Ok(reader.add_stream(channel, copy, is_terminal)?)
+    }
+
+    /// Read a socket or stream no more; its copy is closed when the call returns. Idempotent.
+    ///
+    /// Args:
+    ///     socket: The number of the socket, or of the stream's channel.
     fn remove_socket(&self, py: Python<'_>, socket: u32) {
         py.detach(|| {
             if let Some(reader) = &*lock(&self.reader) {
@@ -273,25 +294,32 @@ impl Intake {
     ///     The packets, in order, as (channel, those for the engine, those for listeners, kept as latest packets already;
     ///     of those that are not kept the listeners are not known); the datagrams of senders that the intake does not
     ///     parse, as (socket, address, data, number of datagrams); the messages to `decide` about, as (source, message
-    ///     id); the sockets that the program must read itself from now on, because it did not keep up; and whether the
-    ///     program is to wait for the other sockets from now on, as `hurry` returns it.
+    ///     id); the sockets that the program must read itself from now on, because it did not keep up, and the streams,
+    ///     because they ended, each with the number of the error or 0; and whether the program is to wait for the other
+    ///     ones from now on, as `hurry` returns it.
     fn take<'py>(&self, py: Python<'py>) -> PyResult<Taken<'py>> {
         let is_direct = lock(&self.reader).as_ref().is_some_and(Reader::begin_to_take);
-        let ((items, overloaded), undecided, is_waiting) = {
+        let (taken, undecided, is_waiting) = {
             let mut core = lock(&self.core);
             (core.queue.take(), core.messages.take_undecided(), core.queue.is_waiting())
         };
-        if let Some(reader) = lock(&self.reader).as_ref().filter(|_| is_waiting) {
-            reader.signal();
+        if let Some(reader) = &*lock(&self.reader) {
+            if taken.had_blocked {
+                reader.unblock();
+            }
+            if is_waiting {
+                reader.signal();
+            }
         }
         let (mut runs, mut received) = (Vec::new(), Vec::new());
-        for item in &items {
+        for item in &taken.items {
             match item {
                 Item::Packets(run) => runs.push(to_run(py, run, &self.dialect)?),
                 Item::Datagrams(one) => received.push(datagrams(py, one)?),
             }
         }
-        Ok((runs, received, undecided, overloaded, is_direct))
+        let overloaded = taken.overloaded.into_iter().map(|number| (number, 0));
+        Ok((runs, received, undecided, overloaded.chain(taken.ended).collect(), is_direct))
     }
 
     /// Call the listeners of packets, in order.

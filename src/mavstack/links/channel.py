@@ -79,19 +79,20 @@ class Channel(ABC):
     Attributes:
         name: Scheme and peer, such as `udpin 127.0.0.1:14550`.
         peer: Address of the peer as text.
-        counters: Counters of this channel.
         role_filter: Removes the packets that the peer's role does not allow; None: it may send everything.
         closed: True after the channel is closed by either side.
         identity: The name that the peer has proved: the subject of its certificate, or the name of its key;
             empty if it has proved none.
         request: The request with which the client of a WebSocket server came; None on all other channels.
-        last_received: Unix time of the last received bytes in seconds; before any, of the opening.
-        last_valid: Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
-            A full link closes peers without one first, to make room for new peers.
+        refresh: Called before counters or times are read; calls `note_received` if a thread of the core reads
+            what the peer sends (see `native_reading`, `native_stream`).
+        on_closing: Called when the channel closes.
         is_authenticated: Its packets have valid signatures, which the node of the link checks.
     """
 
     def __init__(self, name: str, peer: str, on_closed: Callable[[Channel, str], None]) -> None:
+        self.refresh: Callable[[], None] = lambda: None
+        self.on_closing: Callable[[], None] = lambda: None
         self.name = name
         self.peer = peer
         self.counters = Counters()
@@ -103,6 +104,46 @@ class Channel(ABC):
         self.last_valid = 0.0
         self.is_authenticated = False
         self._on_closed = on_closed
+
+    @property
+    def counters(self) -> Counters:
+        """Counters of this channel."""
+        self.refresh()
+        return self._counters
+
+    @counters.setter
+    def counters(self, counters: Counters) -> None:
+        self._counters = counters
+
+    @property
+    def last_received(self) -> float:
+        """Unix time of the last received bytes in seconds; before any, of the opening."""
+        self.refresh()
+        return self._last_received
+
+    @last_received.setter
+    def last_received(self, time: float) -> None:
+        self._last_received = time
+
+    @property
+    def last_valid(self) -> float:
+        """Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
+
+        A full link closes peers without one first, to make room for new peers.
+        """
+        self.refresh()
+        return self._last_valid
+
+    @last_valid.setter
+    def last_valid(self, time: float) -> None:
+        self._last_valid = time
+
+    def note_received(self, size: int, chunks: int, received_at: float, valid_at: float) -> None:
+        """Record bytes that were received elsewhere; the times are Unix times in seconds."""
+        self._counters.bytes_in += size
+        self._counters.chunks_in += chunks
+        self._last_received = max(self._last_received, received_at)
+        self._last_valid = max(self._last_valid, valid_at)
 
     @property
     def host(self) -> str:
@@ -154,6 +195,7 @@ class Channel(ABC):
         """
         if not self.closed:
             self.closed = True
+            self.on_closing()
             self.close_transport()
             self._on_closed(self, reason)
 

@@ -58,7 +58,7 @@ class NativeReading:
         self._taken_over_at = None
         self._intake.remove_socket(self.number)
 
-    def take_over(self) -> None:
+    def take_over(self, error: int = 0) -> None:
         """Let the link read its socket, which the thread reads no more."""
         self._taken_over_at = monotonic()
         self._link.read_itself()

@@ -10,6 +10,7 @@ them: a request and its reply then cost two turns of the event loop instead of t
 from __future__ import annotations
 
 import asyncio
+import os
 import socket
 from contextlib import suppress
 from time import time
@@ -36,9 +37,11 @@ class DirectProtocol(asyncio.StreamReaderProtocol):
 
     Attributes:
         take: Takes received bytes, or returns False for those that the stream's reader gets.
+        passed: Number of bytes that the stream's reader got.
     """
 
     take: Callable[[bytes], bool] | None = None
+    passed = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Read less at once: asyncio allocates 256 KiB for each read, which costs more than a short one."""
@@ -49,6 +52,7 @@ class DirectProtocol(asyncio.StreamReaderProtocol):
     def data_received(self, data: bytes) -> None:
         """Pass bytes to the channel, or to the reader."""
         if self.take is None or not self.take(data):
+            self.passed += len(data)
             super().data_received(data)
 
 
@@ -85,13 +89,19 @@ class StreamChannel(ConnectionChannel):
         self._send_queue = send_queue
         self._read_transport: asyncio.BaseTransport = self._writer.transport
         self._is_behind = True  # True while the reader may hold received bytes
+        self._taken = 0  # bytes taken from the reader
+        self._inbox: Inbox | None = None  # while it is read
+        self._is_passed = False  # another reader reads the stream, or will
+        self._failure = 0  # number of the error that another reader of the stream got
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
 
     async def receive_all(self, inbox: Inbox) -> str:
         """Read until the connection ends."""
         self._take_directly(inbox)
+        self._inbox = inbox
         try:
             while data := await self._reader.read(MAX_READ):
+                self._taken += len(data)
                 self._is_behind = len(data) == MAX_READ
                 self._receive(data, inbox)
                 await inbox.wait_for_room()
@@ -99,7 +109,39 @@ class StreamChannel(ConnectionChannel):
             return error.strerror or str(error)
         except LinkError as error:
             return str(error)
-        return "closed by the peer"
+        return os.strerror(self._failure) if self._failure else "closed by the peer"
+
+    def may_be_read_natively(self) -> bool:
+        """Return whether a thread of the core can read the stream: all its bytes are packets."""
+        transport, protocol = self._read_transport, self._read_transport.get_protocol()
+        is_plain = self._frames is None and self.role_filter is None and not self._is_encrypted()
+        is_native = isinstance(protocol, DirectProtocol) and hasattr(transport, "pause_reading")
+        return is_plain and is_native and not self.closed
+
+    def _is_encrypted(self) -> bool:
+        return self._read_transport.get_extra_info("sslcontext") is not None
+
+    def pass_stream(self) -> int | None:
+        """Stop reading; return the descriptor of the stream, or None while received bytes wait."""
+        transport, protocol = self._read_transport, self._read_transport.get_protocol()
+        is_read = self._inbox is not None and self._inbox.is_read
+        if not (
+            is_read and isinstance(protocol, DirectProtocol) and isinstance(transport, asyncio.ReadTransport)
+        ):
+            return None
+        self._is_passed = True
+        transport.pause_reading()
+        if protocol.passed != self._taken or transport.is_closing():
+            return None  # the bytes come soon, and the node asks again
+        source = transport.get_extra_info("socket") or transport.get_extra_info("pipe")
+        return int(source.fileno())
+
+    def read_itself(self, error: int = 0) -> None:
+        """Read the stream by the event loop again, after another reader of it got an error or 0."""
+        transport, is_passed = self._read_transport, self._is_passed
+        self._is_passed, self._failure = False, error
+        if is_passed and isinstance(transport, asyncio.ReadTransport) and not transport.is_closing():
+            transport.resume_reading()
 
     def _take_directly(self, inbox: Inbox) -> None:
         """Let the protocol pass bytes directly, while the reader has none that came before."""

@@ -1,8 +1,8 @@
 """The datagrams that wait to be sent on the socket of a UDP link.
 
-Datagrams that are written while the outbox is held leave together, in order, by one system call for each 64
-of them. If the system accepts no more, the rest waits until it does, up to `send_queue` bytes of each channel;
-a datagram that the system refuses for another reason is dropped and counted.
+Datagrams that are written while the outbox is held leave together, in order, by one system call for each
+64 of them. If the system accepts no more, the rest waits until it does, up to `send_queue` bytes of each
+channel; a datagram that the system refuses for another reason is dropped and counted.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class UdpOutbox:
     async def close(self, timeout: float) -> None:  # noqa: ASYNC109 (how long datagrams may still leave)
         """Send what waits for up to a time, and close the socket; what is left is dropped and counted."""
         end = self._loop.time() + timeout
-        while self._waiting and self._loop.time() < end:
+        while self._waiting and self._loop.time() < end:  # noqa: ASYNC110 (rare, and bounded)
             await asyncio.sleep(CLOSE_INTERVAL)  # the event loop watches the socket
         for (data, _), channel in zip(self._waiting, self._channels, strict=True):
             self._drop(channel, len(data))

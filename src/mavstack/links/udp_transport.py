@@ -42,7 +42,7 @@ class TransportOutbox:
         transport.sendto(data, channel.address)
         return True
 
-    async def close(self, timeout: float) -> None:  # noqa: ARG002, ASYNC109 (as `UdpOutbox.close`)
+    async def close(self, timeout: float) -> None:  # noqa: ASYNC109 (as `UdpOutbox.close`)
         """Close the transport, which sends what waits."""
         if self._transport is not None:
             self._transport.close()

@@ -1,10 +1,10 @@
 """The native input of a node: packets that are not wanted cost Python nothing.
 
-The core (`mavstack._core.Intake`) reads the sockets of UDP links, parses and counts the packets, and keeps
-the latest one of each message and source. A thread of the core waits for the sockets; if the program handles
-most packets, or waits for an answer, the event loop does, which saves one wake-up. The bytes that the event
-loop reads from other links are fed to the core. Every packet comes to the engine until the node knows that it
-need not:
+The core (`mavstack._core.Intake`) reads UDP sockets, TCP connections, Unix sockets and serial ports, parses
+and counts the packets, and keeps the latest one of each message and source. A thread of the core waits for
+them; if the program handles most packets, or waits for an answer, the event loop does, which saves one
+wake-up. The bytes that the event loop reads from other links are fed to the core. Every packet comes to the
+engine until the node knows that it need not:
 
 - A channel is attached if its packets need nothing but a parser: without signing, MAVLink version to follow,
   and half-duplex air time (`ChannelState.is_plain`).
@@ -30,6 +30,8 @@ from time import monotonic, time
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.dialects import common
+from mavstack.links.native_stream import StreamReading, end_reading
+from mavstack.links.stream import StreamChannel
 from mavstack.links.udp_channel import UdpChannel
 from mavstack.node.dispatch import ANY
 from mavstack.node.input_interval import InputInterval
@@ -117,7 +119,8 @@ class NativeInput:
         self._step = step
         self._now = now
         self._numbers = count()
-        self._readings: dict[int, NativeReading] = {}
+        self._readings: dict[int, NativeReading | StreamReading] = {}
+        self._by_socket: dict[int, NativeReading] = {}
         self._by_link: dict[Link, NativeReading] = {}
         self._waiting: dict[Channel, Attached] = {}
         self._attached: dict[int, Attached] = {}
@@ -140,7 +143,7 @@ class NativeInput:
         number = next(self._numbers)
         reading = link.read_natively(self._intake, number)
         if reading is not None:
-            self._readings[number] = self._by_link[link] = reading
+            self._readings[number] = self._by_socket[number] = self._by_link[link] = reading
             if self._is_direct:
                 reading.watch(self._on_readable)
 
@@ -163,7 +166,9 @@ class NativeInput:
         """Attach the channels that can be attached now: of which nothing waits any more."""
         for channel, attached in tuple(self._waiting.items()):
             number, state = next(self._numbers), attached.state
-            if state.is_plain and not channel.closed and self._attach(number, attached):
+            if not state.is_plain or channel.closed:
+                end_reading(channel)
+            elif self._attach(number, attached):
                 del self._waiting[channel]
                 self._attached[number] = attached
                 self._number_by_channel[channel] = number
@@ -172,13 +177,20 @@ class NativeInput:
 
     def _attach(self, number: int, attached: Attached) -> bool:
         channel, parser = attached.channel, attached.state.parser
-        if attached.reading is None:
+        if isinstance(channel, StreamChannel) and channel.may_be_read_natively():
+            stream = StreamReading.attach(channel, self._intake, number, parser)
+            if stream is None:
+                return False
+            self._readings[number] = stream
+            if self._is_direct:
+                stream.watch(self._on_readable)
+        elif attached.reading is None:
             self._intake.attach_fed(number, parser)
             return True
-        if not isinstance(channel, UdpChannel) or not attached.reading.attach(number, channel, parser):
+        elif not isinstance(channel, UdpChannel) or not attached.reading.attach(number, channel, parser):
             return False
         channel.refresh = partial(self._refresh, channel, number)
-        channel.on_removed = partial(self._detach, number)
+        channel.on_closing = partial(self._detach, number)
         return True
 
     def _detach(self, number: int, *, waits: bool = False) -> None:
@@ -186,21 +198,22 @@ class NativeInput:
         attached = self._attached.pop(number)
         channel, state = attached.channel, attached.state
         self._sync_heard()
+        if stream := self._readings.pop(number, None):
+            stream.stop()
         received = self._intake.detach(number)
         del self._number_by_channel[channel]
-        if attached.reading is not None and isinstance(channel, UdpChannel):
-            self._add_received(channel, *received)
-            channel.refresh = channel.on_removed = lambda: None
+        self._add_received(channel, *received)
+        channel.refresh = channel.on_closing = lambda: None
         del self._number_of[state.name]
         state.on_parser_changed = lambda: None
         if waits:
             self._waiting[channel] = attached
 
-    def _refresh(self, channel: UdpChannel, number: int) -> None:
+    def _refresh(self, channel: Channel, number: int) -> None:
         self._add_received(channel, *self._intake.activity(number))
 
     def _add_received(
-        self, channel: UdpChannel, size: int, chunks: int, received_at: float, valid_at: float
+        self, channel: Channel, size: int, chunks: int, received_at: float, valid_at: float
     ) -> None:
         if chunks:
             ahead = time() - self._now()  # links use the system clock
@@ -226,6 +239,8 @@ class NativeInput:
         """Stop the thread; the links read no more."""
         for number in tuple(self._attached):
             self._detach(number)
+        for channel in self._waiting:
+            end_reading(channel)
         self._waiting.clear()
         self._read_directly(False)
         if self._descriptor is not None:
@@ -284,9 +299,10 @@ class NativeInput:
         for source, message_id in undecided:
             self._decide(source, message_id)
         for socket, address, data, chunks in datagrams:
-            self._readings[socket].receive(data, address, chunks)
-        for socket in overloaded:
-            self._readings[socket].take_over()
+            self._by_socket[socket].receive(data, address, chunks)
+        for socket, error in overloaded:
+            if (reading := self._readings.get(socket)) is not None:
+                reading.take_over(error)
         if self._stale_takes:
             self._stale_takes -= 1
         return is_direct and bool(runs)

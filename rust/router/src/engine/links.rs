@@ -190,14 +190,7 @@ impl Sink for Links {
 fn with_source(link: &mut Link, use_source: impl FnOnce(&mut dyn Source) -> io::Result<()>) -> io::Result<()> {
     match &mut link.transport {
         Transport::Udp(udp) => use_source(&mut udp.socket),
-        #[cfg(unix)]
-        Transport::Stream(stream) => {
-            use std::os::fd::AsRawFd;
-            let descriptor = stream.stream.0.as_raw_fd();
-            use_source(&mut mio::unix::SourceFd(&descriptor))
-        }
-        #[cfg(not(unix))]
-        Transport::Stream(stream) => use_source(&mut stream.stream.0),
+        Transport::Stream(stream) => stream.stream.with_source(use_source),
         Transport::Queue(..) => Ok(()),
     }
 }

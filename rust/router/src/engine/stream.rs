@@ -4,6 +4,7 @@ use crate::engine::framing::Decoder;
 use crate::engine::lanes::Lanes;
 use crate::ports::PortId;
 use crate::router::{Origin, QueueFull};
+use mio::event::Source;
 use std::io::{self, Read, Write};
 
 #[cfg(unix)]
@@ -13,7 +14,7 @@ type Handle = mio::net::TcpStream;
 
 /// A stream without a port of its own yet.
 #[derive(Debug)]
-pub struct RawStream(pub(super) Handle);
+pub struct RawStream(Handle);
 
 impl RawStream {
     /// Takes over a stream; it becomes non-blocking.
@@ -29,6 +30,24 @@ impl RawStream {
         let stream = std::net::TcpStream::from(stream);
         stream.set_nonblocking(true)?;
         Ok(Self(Handle::from_std(stream)))
+    }
+}
+
+impl RawStream {
+    /// Reads into `buffer`; returns the number of bytes, and 0 at the end of the stream.
+    pub fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+
+    /// Calls `use_source` with the event source.
+    pub fn with_source(&mut self, use_source: impl FnOnce(&mut dyn Source) -> io::Result<()>) -> io::Result<()> {
+        #[cfg(unix)]
+        {
+            use std::os::fd::AsRawFd;
+            use_source(&mut mio::unix::SourceFd(&self.0.as_raw_fd()))
+        }
+        #[cfg(not(unix))]
+        use_source(&mut self.0)
     }
 }
 
@@ -69,7 +88,7 @@ impl StreamLink {
 
     /// Reads into `buffer`; returns the number of bytes, and 0 at the end of the stream.
     pub fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.stream.0.read(buffer)
+        self.stream.read(buffer)
     }
 
     /// Appends the content of received frames to `content`; returns whether the stream consists of frames.
