@@ -51,6 +51,13 @@ def zenoh_client(port: int) -> Any:
     return zenoh.open(config)
 
 
+def zenoh_ros2_sdk() -> Any:
+    """Return an independent implementation of rmw_zenoh's wire, without a session."""
+    sdk = pytest.importorskip("zenoh_ros2_sdk")
+    sdk.ZenohSession._instance = None  # it has one session, whichever router a client names
+    return sdk
+
+
 @asynccontextmanager
 async def bridged(url: str, sink: Sink, **options: Any) -> AsyncIterator[tuple[Connection, Bridge]]:
     """Run a bridge of the vehicle at a URL."""

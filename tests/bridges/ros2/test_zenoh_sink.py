@@ -14,7 +14,14 @@ from mavstack.bridges.ros2.zenoh_keys import key_of, parse_attachment
 from mavstack.bridges.ros2.zenoh_sink import ZenohSink
 from mavstack.errors import LinkError
 from mavstack.sim.background import BackgroundSimulator
-from tests.bridges.ros2.running import bridged, free_port, until, zenoh_client, zenoh_router
+from tests.bridges.ros2.running import (
+    bridged,
+    free_port,
+    until,
+    zenoh_client,
+    zenoh_ros2_sdk,
+    zenoh_router,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,7 +51,7 @@ def run(router: int, scenario: Any, **options: Any) -> None:
 
 @pytest.mark.smoke
 def test_an_independent_client_reads_topics_and_calls_services(router: int) -> None:
-    sdk = pytest.importorskip("zenoh_ros2_sdk")
+    sdk = zenoh_ros2_sdk()
 
     async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
         loop = asyncio.get_running_loop()
