@@ -50,11 +50,11 @@ def _from_memory() -> dict[str, float]:
     return figures
 
 
-def _over_udp(parts: list[Part], sent: list[list[bytes]]) -> dict[str, float]:
+def _over_udp(parts: list[Part], sent: list[list[Batch]]) -> dict[str, float]:
     with _start("udp") as receiver, apart(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.connect(("127.0.0.1", int(_line(receiver))))
         for part, datagrams in zip(parts, sent, strict=True):
-            _send(batches(datagrams), part.rate, sock)
+            _send(datagrams, part.rate, sock)
             _command(receiver)
         figures: dict[str, float] = json.loads(_line(receiver))
     return figures
@@ -87,7 +87,7 @@ def main() -> None:
     )
     options = parser.parse_args()
     parts = [FIRST, Part(SECONDS, options.rate)]
-    sent = packets(*parts)
+    sent = [batches(datagrams) for datagrams in packets(*parts)]
     print("packets from  packets/s  min … max  CPU µs  lost  dropped")
     _print("memory", [_from_memory() for _ in range(options.turns)])
     _print("UDP   ", [_over_udp(parts, sent) for _ in range(options.turns)])

@@ -43,6 +43,33 @@ def test_a_wrong_field_name_is_a_type_error():
         common.Attitude(rol=1)  # type: ignore[call-arg]
 
 
+NUMBERS = {"u8": 200, "s8": -7, "u16": 65_000, "s16": -9, "u32": 2**32 - 1, "s32": -5, "u64": 2**64 - 1, "s64": -3}
+REFUSED = {"u8": 256, "s8": -129, "u16": 1.5, "s16": 2**70, "u32": -1, "s32": "7", "u64": -1, "s64": 2**63}
+
+
+@pytest.mark.parametrize("names", [["u64", "f", "u8", "s32"], ["d", "s64", "s16"], ["c", "u16", "s8"], []])
+def test_calls_at_one_place_of_a_program_give_the_same_messages_as_others(names):
+    values = {**NUMBERS, "f": 0.1, "d": math.inf, "c": "x"}
+    build = eval(f"lambda at: make({', '.join(f'{name}=at[{name!r}]' for name in names)})", {"make": TEST_TYPES})
+    expected = TEST_TYPES(**{name: values[name] for name in names})
+    for _ in range(4):
+        assert build(values) == expected
+    for name in names:
+        for number in (0, True, 1.0 if name in "fd" else 1):
+            other = {**values, name: "y" if name == "c" else number}
+            assert build(other) == TEST_TYPES(**{name: other[name] for name in names})
+        if name in REFUSED:
+            with pytest.raises((FieldRangeError, FieldTypeError), match=name):
+                build({**values, name: REFUSED[name]})
+
+
+def test_a_field_given_twice_raises_at_every_call():
+    for _ in range(4):
+        assert common.Attitude(7, roll=0.5, pitch=2.0) == common.Attitude(7, 0.5, 2.0)
+        with pytest.raises(FieldNameError, match="roll twice"):
+            common.Attitude(7, 0.5, roll=0.5, pitch=2.0)
+
+
 @pytest.mark.parametrize(
     ("field", "low", "high"),
     [

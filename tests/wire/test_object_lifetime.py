@@ -16,6 +16,7 @@ from mavstack.wire import Packet
 
 from .callback_number import CallbackNumber
 
+ALL = Dialect.load("all")
 RAW = mavstack.encode(common.Attitude(1, 2.0, 3.0), system=1, component=1)
 
 
@@ -65,11 +66,27 @@ def test_recursive_feeding_raises():
     assert len(parser.feed(RAW)) == 1
 
 
-def test_recursive_encoding_raises():
-    encoder = mavstack.Encoder(1, 1)
-    with pytest.raises(RuntimeError, match="borrowed"):
-        encoder.encode(common.Heartbeat(), CallbackNumber(lambda: len(encoder.encode(common.Heartbeat()))))
-    assert encoder.encode(common.Heartbeat())[4] == 0
+def test_recursive_encoding_gives_each_packet_its_number():
+    encoder, inner = mavstack.Encoder(1, 1), []
+    now = CallbackNumber(lambda: inner.append(encoder.encode(common.Heartbeat())) or 0)
+    outer = encoder.encode(common.Heartbeat(), now)
+    assert (inner[0][4], outer[4], encoder.sequence) == (0, 1, 2)
+
+
+def test_encode_takes_its_arguments_in_every_form():
+    encoder, message = mavstack.Encoder(1, 1), common.Heartbeat()
+    packets = [
+        encoder.encode(message),
+        encoder.encode(message=message),
+        encoder.encode(message, None),
+        encoder.encode(now=1e9, message=message),
+    ]
+    assert [packet[4] for packet in packets] == [0, 1, 2, 3]
+    for arguments in ((), (b"",), (message, 1.0, 2)):
+        with pytest.raises(TypeError):
+            encoder.encode(*arguments)
+    with pytest.raises(TypeError, match="other"):
+        encoder.encode(message, other=1)
 
 
 class AtCollection:
@@ -254,3 +271,35 @@ def test_descriptors_keep_their_class_alive(tmp_path):
     del message
     gc.collect()
     assert field.__objclass__(1, 2).v1 == 2
+
+
+def test_memory_of_freed_messages_holds_those_of_other_classes():
+    classes = [ALL[name] for name in ("HEARTBEAT", "ATTITUDE", "PARAM_VALUE", "GPS_RAW_INT", "STATUSTEXT", "PING")]
+    raw = [cls.from_payload(bytes(range(1, 60))).to_payload() for cls in classes]
+    for turn in range(300):
+        kept = [(cls, payload, cls.from_payload(payload)) for cls, payload in zip(classes, raw, strict=True)]
+        kept = kept[turn % 5 :: 2]
+        assert all(cls().to_payload() == cls().to_payload() for cls in classes)
+        assert all(type(message) is cls and message.to_payload() == payload for cls, payload, message in kept)
+
+
+def test_messages_whose_class_was_assigned_are_freed():
+    class Plain(common.Attitude):
+        __slots__ = ()
+
+    class Finalized(common.Attitude):
+        __slots__ = ()
+
+        def __del__(self):
+            freed.append(self.roll)
+
+    freed: list[float] = []
+    for number in range(100):
+        message = Plain(roll=number)
+        message.__class__ = common.Attitude
+        other = common.Attitude(roll=number)
+        other.__class__ = Finalized
+        assert (message.roll, other.roll) == (number, number)
+        del message, other
+    assert freed == list(range(100))
+    assert [common.Attitude(roll=number).roll for number in range(100)] == list(range(100))

@@ -1,8 +1,8 @@
 //! Packets from payloads.
 
 use crate::crc;
-use crate::header::{FLAG_SIGNED, MAGIC_V1, MAGIC_V2};
-use crate::layout::Layout;
+use crate::header::{CHECKSUM, FLAG_SIGNED, HEADER_V2, MAGIC_V1, MAGIC_V2};
+use crate::layout::{Layout, MAX_PAYLOAD};
 use crate::signing::Signing;
 use std::fmt;
 
@@ -49,6 +49,29 @@ pub fn trimmed(payload: &[u8]) -> &[u8] {
     payload.get(..=last).unwrap_or(payload)
 }
 
+/// Length of an unsigned packet of version 2 with the longest payload.
+pub const MAX_UNSIGNED: usize = HEADER_V2 + MAX_PAYLOAD + CHECKSUM;
+
+/// Writes the packet of version 2 with a trimmed `payload` to the start of `out`, without a signature; returns its length.
+#[inline]
+pub fn write_v2(
+    out: &mut [u8; MAX_UNSIGNED],
+    layout: &Layout,
+    payload: &[u8],
+    sender: Sender,
+    incompat_flags: u8,
+) -> usize {
+    let Sender { system, component, sequence } = sender;
+    let [a, b, c, _] = layout.id.to_le_bytes();
+    let end = HEADER_V2 + payload.len();
+    let header = [MAGIC_V2, payload.len() as u8, incompat_flags, 0, sequence, system, component, a, b, c];
+    out[..HEADER_V2].copy_from_slice(&header);
+    out[HEADER_V2..end].copy_from_slice(payload);
+    let checksum = crc::accumulate(crc::update(crc::INITIAL, &out[1..end]), layout.crc_extra);
+    out[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
+    end + CHECKSUM
+}
+
 /// Replaces the content of `out` by the packet that carries `payload`, the full payload of `layout`'s message.
 ///
 /// With `signing` the packet is signed (version 2 only: version 1 has no signature).
@@ -61,25 +84,23 @@ pub fn encode(
     signing: Option<(&mut Signing, Option<u64>)>,
 ) -> Result<(), EncodeError> {
     out.clear();
-    let Sender { system, component, sequence } = sender;
     match version {
         Version::V1 => {
+            let Sender { system, component, sequence } = sender;
             let id = u8::try_from(layout.id).map_err(|_| EncodeError::IdNeedsV2(layout.id))?;
             let payload = &payload[..usize::from(layout.base_length)];
             out.extend_from_slice(&[MAGIC_V1, payload.len() as u8, sequence, system, component, id]);
             out.extend_from_slice(payload);
+            let checksum = crc::accumulate(crc::update(crc::INITIAL, &out[1..]), layout.crc_extra);
+            out.extend_from_slice(&checksum.to_le_bytes());
         }
         Version::V2 => {
-            let payload = trimmed(payload);
             let flags = if signing.is_some() { FLAG_SIGNED } else { 0 };
-            let [a, b, c, _] = layout.id.to_le_bytes();
-            let length = payload.len() as u8;
-            out.extend_from_slice(&[MAGIC_V2, length, flags, 0, sequence, system, component, a, b, c]);
-            out.extend_from_slice(payload);
+            let mut packet = [0; MAX_UNSIGNED];
+            let length = write_v2(&mut packet, layout, trimmed(payload), sender, flags);
+            out.extend_from_slice(&packet[..length]);
         }
     }
-    let checksum = crc::accumulate(crc::update(crc::INITIAL, &out[1..]), layout.crc_extra);
-    out.extend_from_slice(&checksum.to_le_bytes());
     if let (Version::V2, Some((signing, now))) = (version, signing) {
         signing.sign(out, now).map_err(|_| EncodeError::ClockExhausted)?;
     }

@@ -9,6 +9,7 @@ use crate::buffers::Bytes;
 use crate::construct;
 use crate::dialect::{LayoutTuple, layout_from_tuple};
 use crate::fields::FieldAccess;
+use crate::keywords::Keywords;
 use crate::message;
 use mavstack_core::json::Member;
 use mavstack_core::layout::{FieldType, Layout};
@@ -54,6 +55,8 @@ pub struct ClassData {
     pub members: Vec<Member>,
     /// Fields by the address of their interned names: an open-addressing hash table.
     by_name: Box<[NameEntry]>,
+    /// The keyword names of the last calls, and the numbers among the fields, for fast construction.
+    pub keywords: Keywords,
     /// The fields in definition order; boxed, because descriptors point into the slice.
     pub fields: Box<[FieldAccess]>,
 }
@@ -184,7 +187,8 @@ unsafe extern "C" fn call_class(
     }
 }
 
-/// Visits the references of a class for the cycle collector: those of `type`, and the enum members of its fields.
+/// Visits the references of a class for the cycle collector: those of `type`, the enum members of its fields, and
+/// the keyword names of the last calls.
 unsafe extern "C" fn traverse_class(class: *mut ffi::PyObject, visit: ffi::visitproc, arg: *mut c_void) -> c_int {
     // SAFETY: the collector calls this with a class of the metaclass and holds the interpreter; no object is created,
     // changed or released here.
@@ -196,7 +200,7 @@ unsafe extern "C" fn traverse_class(class: *mut ffi::PyObject, visit: ffi::visit
         else {
             return answer;
         };
-        let references = data.fields.iter().flat_map(FieldAccess::references);
+        let references = data.fields.iter().flat_map(FieldAccess::references).chain(data.keywords.references());
         if answer == 0 {
             references.map(|object| visit(object, arg)).find(|&answer| answer != 0).unwrap_or(0)
         } else {
@@ -239,6 +243,10 @@ fn slot_of(class: *mut ffi::PyObject, meta: &Meta) -> *mut Slot {
 
 /// Returns the data of a message class, or of the message class from which a class derives.
 pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&ClassData> {
+    // SAFETY: the caller holds the class.
+    if let Some(data) = unsafe { direct_data(py, class) } {
+        return Some(data);
+    }
     let meta = META.get(py)?;
     let mut class = class;
     while !class.is_null() {
@@ -312,6 +320,7 @@ pub fn new_message_class<'py>(
         template: default,
         members,
         by_name: name_table(&fields),
+        keywords: Keywords::new(&fields),
         fields,
     }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.

@@ -48,6 +48,11 @@ unsafe fn construct<'py>(
     let object = unsafe { allocate_untracked(py, class, data, &data.template) }?;
     // SAFETY: no Python code can reach the object before it is complete, although the conversion of a value may run any code.
     let payload = unsafe { payload_mut(object.as_ptr()) };
+    // SAFETY: Python holds the arguments and the names through the call.
+    if unsafe { data.keywords.write_numbers(py, data, payload, values, positional, keyword_names) } {
+        // SAFETY: the object was allocated above.
+        return Ok(unsafe { finish(object, class, data) });
+    }
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {
         // SAFETY: Python holds the arguments through the call.
         let value = unsafe { Bound::from_borrowed_ptr(py, value) };

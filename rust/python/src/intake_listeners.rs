@@ -3,6 +3,7 @@
 use crate::packet;
 use mavstack_intake::messages::{KeyMap, key, matches};
 use pyo3::exceptions::PyException;
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -52,9 +53,16 @@ impl Listeners {
 
 /// Calls a function with a packet, and another one with the exception that it raises.
 fn call(function: &Bound<'_, PyAny>, packet: &Bound<'_, PyAny>, fail: &Bound<'_, PyAny>) -> PyResult<()> {
-    match function.call1((packet,)) {
+    let py = packet.py();
+    // SAFETY: both objects are held, and the list of arguments ends with null. Other than `call1`, it needs no tuple.
+    let result = unsafe {
+        let end = std::ptr::null_mut::<ffi::PyObject>();
+        let result = ffi::PyObject_CallFunctionObjArgs(function.as_ptr(), packet.as_ptr(), end);
+        Bound::from_owned_ptr_or_err(py, result)
+    };
+    match result {
         Ok(_) => Ok(()),
-        Err(error) if error.is_instance_of::<PyException>(packet.py()) => fail.call1((error,)).map(drop),
+        Err(error) if error.is_instance_of::<PyException>(py) => fail.call1((error,)).map(drop),
         Err(error) => Err(error),
     }
 }

@@ -20,6 +20,7 @@ mod intake;
 mod intake_listeners;
 mod intake_values;
 mod json;
+mod keywords;
 mod mapping_guard;
 mod memory;
 mod message;
@@ -63,6 +64,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Packet", packet::packet_class(py)?)?;
     module.add_class::<parser::Parser>()?;
     module.add_class::<encode::Encoder>()?;
+    encode::install_fast_encode(py)?;
     module.add_class::<signing::Signing>()?;
     module.add_class::<statistics::Statistics>()?;
     module.add_class::<statistics::SourceStatistics>()?;

@@ -6,6 +6,7 @@
 use crate::buffers::Bytes;
 use crate::class::{self, ClassData, slot};
 use crate::construct;
+use crate::freelist;
 use crate::values;
 use mavstack_core::encode::trimmed;
 use mavstack_core::layout::{FieldType, Layout};
@@ -71,6 +72,7 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     ]));
     let mut slots = [
         slot(ffi::Py_tp_new, construct::new as *mut c_void),
+        slot(ffi::Py_tp_dealloc, dealloc as *mut c_void),
         slot(ffi::Py_tp_getattro, get_attribute as *mut c_void),
         slot(ffi::Py_tp_richcompare, compare as *mut c_void),
         slot(ffi::Py_tp_hash, ffi::PyObject_HashNotImplemented as *mut c_void),
@@ -161,12 +163,28 @@ pub unsafe fn allocate_plain<'py>(
     // SAFETY: a plain class derives from `MessageBase`, has a header for the collector and no members of its own; the
     // object stays untracked, and its whole payload is written here before any other code can access it.
     unsafe {
-        let object = ffi::PyObject_GC_NewVar::<ffi::PyObject>(class, length.into());
-        let object = Bound::from_owned_ptr_or_err(py, object)?;
+        let object = Bound::from_owned_ptr_or_err(py, freelist::allocate_message(class, length.into()))?;
         let (start, rest) = payload_mut(object.as_ptr()).split_at_mut(known);
         start.copy_from_slice(&payload[..known]);
         rest.fill(0);
         Ok(object)
+    }
+}
+
+/// Frees a message. Python's own function for classes calls this one last, after it untracked the object.
+unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
+    // SAFETY: Python calls this once, with a message without references. All objects with the memory layout of a class made
+    // by `new_message_class` have room for their capacity, also if their class was assigned; the class, of which each
+    // object holds a reference, is released last.
+    unsafe {
+        let class = ffi::Py_TYPE(object);
+        if class::direct_data(Python::assume_attached(), class).is_some_and(|data| data.has_gc_header) {
+            freelist::release_message(object);
+        } else {
+            let free: ffi::freefunc = std::mem::transmute(ffi::PyType_GetSlot(class, ffi::Py_tp_free));
+            free(object.cast());
+        }
+        ffi::Py_DECREF(class.cast());
     }
 }
 
@@ -187,7 +205,10 @@ pub unsafe fn allocate_untracked<'py>(
         if data.has_gc_header && class == data.class {
             return allocate_plain(py, class, length, payload);
         }
-        let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length.into()))?;
+        // An object whose class is assigned later may be pooled, so that it needs the capacity too.
+        let capacity = freelist::message_capacity(length.into());
+        let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, capacity as isize))?;
+        (*object.as_ptr().cast::<ffi::PyVarObject>()).ob_size = length.into();
         if data.has_gc_header {
             ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
         }

@@ -159,7 +159,8 @@ impl Packet {
 }
 
 /// Creates a Python object for `packet`.
-#[inline]
+#[allow(clippy::inline_always, reason = "copies of a packet's parts cost as much as the object")]
+#[inline(always)]
 pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Dialect>) -> PyResult<Bound<'py, PyAny>> {
     let class = packet_class(py)?.as_type_ptr();
     let (length, parts) = (
@@ -175,7 +176,7 @@ pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Di
     // SAFETY: `allocate` returns an `Object` followed by `length` bytes; its packet is written once, here, before any
     // other code can access the object, and moved out once, in `dealloc`.
     unsafe {
-        let made = Bound::from_owned_ptr_or_err(py, freelist::allocate(class, size_of::<Object>(), length))?;
+        let made = Bound::from_owned_ptr_or_err(py, freelist::allocate_packet(class, size_of::<Object>(), length))?;
         let object = made.as_ptr().cast::<Object>();
         (&raw mut (*object).packet).write(parts);
         (&raw mut (*object).raw).cast::<u8>().copy_from_nonoverlapping(packet.raw.as_ptr(), length);
@@ -282,12 +283,18 @@ unsafe extern "C" fn get(object: *mut ffi::PyObject, closure: *mut c_void) -> *m
     }
 }
 
-/// Gets an attribute: `message`, the most frequent one, directly; all others generically.
+/// Gets an attribute: `message` and `message_id`, the most frequent ones, directly; all others generically.
 unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a packet.
     unsafe {
-        let is_message = intern!(Python::assume_attached(), "message").as_ptr() == name;
-        if is_message { get_message(object, ptr::null_mut()) } else { ffi::PyObject_GenericGetAttr(object, name) }
+        let py = Python::assume_attached();
+        if intern!(py, "message").as_ptr() == name {
+            get_message(object, ptr::null_mut())
+        } else if intern!(py, "message_id").as_ptr() == name {
+            into_result_pointer(py, self::object(py, open(object).0.header.message_id))
+        } else {
+            ffi::PyObject_GenericGetAttr(object, name)
+        }
     }
 }
 
@@ -325,7 +332,7 @@ unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
         if let Some(message) = message {
             message.drop_ref(py);
         }
-        freelist::release(object);
+        freelist::release_packet(object);
         ffi::Py_DECREF(class.cast());
     }
 }

@@ -8,6 +8,7 @@ use crate::signing::{self, Signing};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::parser as core;
 use mavstack_intake::channel::SharedParser;
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -63,7 +64,7 @@ impl Parser {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         sink.packets.reserve(data.len().min(MAX_CHUNK_RESERVED) / MEAN_PACKET_LENGTH);
         self.lock().feed(&self.dialect.get().core, &data, |packet| sink.push(&packet));
-        PyList::new(py, sink.finish()?)
+        list_of(py, sink.finish()?)
     }
 
     /// Parse the next bytes of the stream, and return its packets as records of a tlog: 8 bytes of time, then the packet.
@@ -120,7 +121,7 @@ impl Parser {
     fn flush<'py>(&mut self, py: Python<'py>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         self.lock().flush(&self.dialect.get().core, |packet| sink.push(&packet));
-        PyList::new(py, sink.finish()?)
+        list_of(py, sink.finish()?)
     }
 
     /// Totals of the stream so far.
@@ -140,6 +141,18 @@ impl Parser {
     #[getter]
     fn pending(&self) -> usize {
         self.lock().pending()
+    }
+}
+
+/// Returns a list of objects, without the checks of each one that `PyList::new` does.
+fn list_of<'py>(py: Python<'py>, objects: Vec<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyList>> {
+    // SAFETY: the list is new and has a place for each object, whose reference it takes over.
+    unsafe {
+        let list = Bound::from_owned_ptr_or_err(py, ffi::PyList_New(objects.len() as ffi::Py_ssize_t))?;
+        for (index, object) in objects.into_iter().enumerate() {
+            ffi::PyList_SetItem(list.as_ptr(), index as ffi::Py_ssize_t, object.into_ptr());
+        }
+        Ok(list.cast_into_unchecked())
     }
 }
 
@@ -182,14 +195,16 @@ impl<'py, 'a> Sink<'py, 'a> {
         }
     }
 
-    #[inline]
+    #[allow(clippy::inline_always, reason = "copies of a packet's parts cost as much as the object")]
+    #[inline(always)]
     fn push(&mut self, packet: &core::Packet<'_>) {
         if self.accepts(packet) {
             self.add(packet);
         }
     }
 
-    #[inline]
+    #[allow(clippy::inline_always, reason = "copies of a packet's parts cost as much as the object")]
+    #[inline(always)]
     fn add(&mut self, packet: &core::Packet<'_>) {
         match packet::create(self.py, packet, self.dialect) {
             Ok(packet) => self.packets.push(packet),
