@@ -21,9 +21,9 @@ from .packets import Part, packets
 TURNS = 3
 #: Packets from memory; their boot times take a second, as the measurement about does.
 MEMORY_RATE = 1_500_000
-RATE, SECONDS = 300_000, 3.0
-#: The vehicle is found before the rate is full.
-FIRST = Part(1.0, 5_000)
+RATE, SECONDS = 320_000, 3.0
+#: The vehicle is found before the rate is full. Only whole batches are sent.
+FIRST = Part(1.0, 157 * BATCH)
 STEP = 0.001
 
 

@@ -43,14 +43,24 @@ def test_a_wrong_field_name_is_a_type_error():
         common.Attitude(rol=1)  # type: ignore[call-arg]
 
 
-NUMBERS = {"u8": 200, "s8": -7, "u16": 65_000, "s16": -9, "u32": 2**32 - 1, "s32": -5, "u64": 2**64 - 1, "s64": -3}
+NUMBERS = {
+    "u8": 200,
+    "s8": -7,
+    "u16": 65_000,
+    "s16": -9,
+    "u32": 2**32 - 1,
+    "s32": -5,
+    "u64": 2**64 - 1,
+    "s64": -3,
+}
 REFUSED = {"u8": 256, "s8": -129, "u16": 1.5, "s16": 2**70, "u32": -1, "s32": "7", "u64": -1, "s64": 2**63}
 
 
 @pytest.mark.parametrize("names", [["u64", "f", "u8", "s32"], ["d", "s64", "s16"], ["c", "u16", "s8"], []])
 def test_calls_at_one_place_of_a_program_give_the_same_messages_as_others(names):
     values = {**NUMBERS, "f": 0.1, "d": math.inf, "c": "x"}
-    build = eval(f"lambda at: make({', '.join(f'{name}=at[{name!r}]' for name in names)})", {"make": TEST_TYPES})
+    arguments = ", ".join(f"{name}=at[{name!r}]" for name in names)
+    build = eval(f"lambda at: make({arguments})", {"make": TEST_TYPES})
     expected = TEST_TYPES(**{name: values[name] for name in names})
     for _ in range(4):
         assert build(values) == expected

@@ -86,7 +86,7 @@ def test_encode_takes_its_arguments_in_every_form():
         with pytest.raises(TypeError):
             encoder.encode(*arguments)
     with pytest.raises(TypeError, match="other"):
-        encoder.encode(message, other=1)
+        encoder.encode(message, other=1)  # type: ignore[call-arg]
 
 
 class AtCollection:
@@ -274,7 +274,8 @@ def test_descriptors_keep_their_class_alive(tmp_path):
 
 
 def test_memory_of_freed_messages_holds_those_of_other_classes():
-    classes = [ALL[name] for name in ("HEARTBEAT", "ATTITUDE", "PARAM_VALUE", "GPS_RAW_INT", "STATUSTEXT", "PING")]
+    names = ("HEARTBEAT", "ATTITUDE", "PARAM_VALUE", "GPS_RAW_INT", "STATUSTEXT", "PING")
+    classes = [ALL[name] for name in names]
     raw = [cls.from_payload(bytes(range(1, 60))).to_payload() for cls in classes]
     for turn in range(300):
         kept = [(cls, payload, cls.from_payload(payload)) for cls, payload in zip(classes, raw, strict=True)]

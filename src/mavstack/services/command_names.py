@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 
 from mavstack.dialects import common
-from mavstack.dialects.enums import MavEnum, official_names
+from mavstack.dialects.enums import MavEnum
 
 _PREFIX = "MAV_CMD_"
 
@@ -35,7 +35,10 @@ def command_of_dialect(command: int, dialect: object) -> int:
     Returns:
         The member; the command unchanged if `common` knows it or the dialect does not.
     """
-    if isinstance(command, MavEnum) or command in official_names(common.MavCmd):
+    if isinstance(command, MavEnum):
+        return command
+    with suppress(ValueError):
+        common.MavCmd(command)
         return command
     enums = getattr(getattr(dialect, "dialect", None), "enums", {})
     try:
