@@ -149,7 +149,7 @@ def measure(count: int) -> Figures:
 async def _fly(count: int) -> Figures:
     totals = Totals()
     async with AsyncExitStack() as stack:
-        swarms = [await _start(stack, totals, size) for size in _sizes(count)]
+        swarms = [await _start(stack, totals, size) for size in sizes(count)]
         flights = [asyncio.create_task(swarm.move(north=200.0)) for swarm in swarms]
         await asyncio.sleep(_LEAD)
         before = totals.now()
@@ -166,9 +166,10 @@ async def _fly(count: int) -> Figures:
     )
 
 
-def _sizes(count: int) -> list[int]:
+def sizes(count: int) -> list[int]:
+    """Return the numbers of vehicles of equally large swarms, one for each network."""
     parts = math.ceil(count / MAX_SWARM)
-    return [count // parts] * parts
+    return [count // parts + (index < count % parts) for index in range(parts)]
 
 
 async def _start(stack: AsyncExitStack, totals: Totals, count: int) -> Swarm:

@@ -59,10 +59,18 @@ def test_only_the_separation_of_other_vehicles_counts():
     assert (finding.breach, finding.members) == (Breach.SEPARATION, (1, 2))
 
 
+def test_two_vehicles_that_are_not_members_do_not_count():
+    guard = Guard(GuardLimits(separation=3.0))
+    others = [[50.0, 0.0, 10.0], [51.0, 0.0, 10.0]]
+    assert guard.check(np.vstack((APART, others)), NOW) == []
+    assert guard.smallest_separation == pytest.approx(10.0)
+    assert guard.check(np.vstack((np.full((2, 3), math.nan), others)), NOW) == []
+
+
 def test_a_polygon_may_be_concave():
     fence = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (5.0, 2.0), (0.0, 10.0)]
-    assert is_inside(fence, 1.0, 1.0)
-    assert not is_inside(fence, 5.0, 8.0)
+    north, east = np.array([(1.0, 1.0), (5.0, 8.0), (9.0, 5.0), (11.0, 5.0), (math.nan, 5.0)]).T
+    assert is_inside(fence, north, east).tolist() == [True, False, True, False, True]
 
 
 def test_wrong_limits_are_refused():

@@ -15,7 +15,7 @@ from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError
 from mavstack.swarm.separation import nearest_pair
 from mavstack.vehicle import Group
-from mavstack.vehicle.swarm import Swarm
+from mavstack.vehicle.swarm import Swarm, SwarmOptions
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -69,7 +69,11 @@ class StationSwarm:
         return chosen
 
     async def fly(
-        self, action: str, vehicles: Sequence[Vehicle], work: Callable[[Swarm], Awaitable[None]]
+        self,
+        action: str,
+        vehicles: Sequence[Vehicle],
+        work: Callable[[Swarm], Awaitable[None]],
+        options: SwarmOptions | None = None,
     ) -> dict[str, Any]:
         """Fly a call of the swarm to its end.
 
@@ -77,6 +81,7 @@ class StationSwarm:
             action: Its name, such as "formation".
             vehicles: The members, the leader first.
             work: The call.
+            options: How the members fly; None: the defaults.
 
         Returns:
             The state of the swarm.
@@ -88,7 +93,7 @@ class StationSwarm:
 
         async def flight() -> None:
             self._led = vehicles[0]
-            await work(await self._enter(vehicles))
+            await work(await self._enter(vehicles, options or SwarmOptions()))
 
         await self.run(action, flight)
         return self.values()
@@ -153,6 +158,25 @@ class StationSwarm:
         self._reason = "stopped by a client"
         return self.values(vehicles)
 
+    def pause(self, *, paused: bool) -> dict[str, Any]:
+        """Let the running flight wait on its way, or continue.
+
+        Args:
+            paused: False: continue.
+
+        Raises:
+            RefusedError: No flight of the swarm runs.
+            InvalidArgumentError: The swarm follows a leader.
+        """
+        swarm = self._swarm
+        if swarm is None or self._action in (None, "takeoff", "landing"):
+            raise RefusedError(409, "no flight of the swarm runs")
+        if paused:
+            swarm.pause()
+        else:
+            swarm.resume()
+        return self.values()
+
     async def end(self) -> None:
         """End the swarm: each member holds where it is. Idempotent."""
         swarm, self._swarm = self._swarm, None
@@ -182,6 +206,7 @@ class StationSwarm:
             "active": swarm is not None,
             "action": self._action,
             "reason": self._reason,
+            "paused": swarm is not None and swarm.paused,
             "leader": None if leader is None else leader.system,
             "systems": [each.system for each in members],
             "course_deg": None if swarm is None else round(swarm.course, 1),
@@ -198,14 +223,15 @@ class StationSwarm:
         active = () if self._swarm is None else self._swarm.vehicles
         return active[0] if active else self._led
 
-    async def _enter(self, vehicles: Sequence[Vehicle]) -> Swarm:
+    async def _enter(self, vehicles: Sequence[Vehicle], options: SwarmOptions) -> Swarm:
         """Return the running swarm of these vehicles; members that left it are entered again."""
         if self._swarm is not None:
-            if set(self._swarm.vehicles) == set(vehicles) and self._vehicles == tuple(vehicles):
+            present = set(self._swarm.vehicles) == set(vehicles) and self._vehicles == tuple(vehicles)
+            if present and self._swarm.options == options:
                 return self._swarm
             await self.end()
         self._vehicles, self._smallest = tuple(vehicles), math.inf
-        swarm = Swarm(vehicles)
+        swarm = Swarm(vehicles, options)
         await swarm.__aenter__()
         self._swarm = swarm
         return swarm

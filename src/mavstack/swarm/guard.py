@@ -20,6 +20,8 @@ from mavstack.swarm.separation import near_pairs, nearest_pair
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy.typing as npt
+
     from mavstack.swarm.arrays import Points
 
 
@@ -95,7 +97,7 @@ class Guard:
         """
         members = np.asarray(ages)
         found = [
-            *self._separations(positions),
+            *self._separations(positions, len(members)),
             *self._places(positions[: len(members)]),
             *self._links(members),
         ]
@@ -109,12 +111,12 @@ class Guard:
         """True if a limit was passed at the last call."""
         return bool(self._present)
 
-    def _separations(self, positions: Points) -> list[Finding]:
-        nearest, _, _ = nearest_pair(positions)
+    def _separations(self, positions: Points, members: int) -> list[Finding]:
+        nearest, _, _ = nearest_pair(positions, members)
         self.smallest_separation = min(self.smallest_separation, nearest)
         if nearest >= self.limits.separation:
             return []
-        pairs, between = near_pairs(positions, self.limits.separation)
+        pairs, between = near_pairs(positions, self.limits.separation, members)
         return [
             Finding(
                 Breach.SEPARATION,
@@ -126,15 +128,18 @@ class Guard:
 
     def _places(self, positions: Points) -> list[Finding]:
         limits, found = self.limits, []
-        for index, (north, east, up) in enumerate(positions.tolist()):
-            if limits.radius is not None and math.hypot(north, east) > limits.radius:
-                found.append(
-                    _finding(Breach.FENCE, index, f"{math.hypot(north, east):.0f} m from the origin")
-                )
-            elif limits.fence and not is_inside(limits.fence, north, east):
+        north, east, up = positions.T
+        far = np.hypot(north, east)
+        beyond = far > (math.inf if limits.radius is None else limits.radius)
+        outside = ~is_inside(limits.fence, north, east) if limits.fence else np.zeros_like(beyond)
+        wrong_height = (up < limits.lowest) | (up > limits.highest)
+        for index in np.flatnonzero(beyond | outside | wrong_height).tolist():
+            if beyond[index]:
+                found.append(_finding(Breach.FENCE, index, f"{far[index]:.0f} m from the origin"))
+            elif outside[index]:
                 found.append(_finding(Breach.FENCE, index, "outside of the fence"))
-            if up < limits.lowest or up > limits.highest:
-                found.append(_finding(Breach.HEIGHT, index, f"{up:.1f} m above the origin"))
+            if wrong_height[index]:
+                found.append(_finding(Breach.HEIGHT, index, f"{up[index]:.1f} m above the origin"))
         return found
 
     def _links(self, ages: Points) -> list[Finding]:
@@ -142,23 +147,21 @@ class Guard:
         return [_finding(Breach.LINK, int(each), f"no position for {ages[each]:.1f} s") for each in late]
 
 
-def is_inside(fence: Sequence[tuple[float, float]], north: float, east: float) -> bool:
-    """Return True if a place is inside a polygon; a place without a position is.
+def is_inside(fence: Sequence[tuple[float, float]], north: Points, east: Points) -> npt.NDArray[np.bool_]:
+    """Return which places are inside a polygon; a place without a position is.
 
     Args:
         fence: Corners in metres north and east.
-        north: Metres.
-        east: Metres.
+        north: Metres of each place.
+        east: Metres of each place.
     """
-    if math.isnan(north) or math.isnan(east):
-        return True
-    inside = False
+    inside = np.zeros(len(north), bool)
     for (north1, east1), (north2, east2) in zip(fence, [*fence[1:], fence[0]], strict=True):
-        if (east1 > east) != (east2 > east) and north < (north2 - north1) * (east - east1) / (
-            east2 - east1
-        ) + north1:
-            inside = not inside
-    return inside
+        if east1 != east2:
+            crossing = (north2 - north1) * (east - east1) / (east2 - east1) + north1
+            inside ^= ((east1 > east) != (east2 > east)) & (north < crossing)
+    unknown: npt.NDArray[np.bool_] = np.isnan(north) | np.isnan(east)
+    return inside | unknown
 
 
 def _finding(breach: Breach, index: int, text: str) -> Finding:

@@ -91,21 +91,23 @@ def distances(points: Points) -> Points:
     return between
 
 
-def nearest_pair(points: Points) -> tuple[float, int, int]:
+def nearest_pair(points: Points, members: int | None = None) -> tuple[float, int, int]:
     """Return the smallest scaled distance of two vehicles in metres, and their indices.
 
     With fewer than two known positions the distance is infinite.
 
     Args:
         points: Positions in metres, an array of shape (n, 3). NaN: unknown.
+        members: Only pairs with one of this number of vehicles at the begin count; None: all pairs.
 
     Raises:
         MissingExtraError: scipy is not installed.
     """
     known, space = _known(points)
-    if len(known) < 2:
+    among = len(known) if members is None else int(np.searchsorted(known, members))
+    if len(known) < 2 or not among:
         return float("inf"), 0, 0
-    between, neighbours = _tree(space).query(space, k=2)
+    between, neighbours = _tree(space).query(space[:among], k=2)
     first = int(between[:, 1].argmin())
     # Among vehicles at the same place, a vehicle may be listed second among its own neighbours.
     second = next(int(each) for each in neighbours[first] if each != first)
@@ -113,7 +115,7 @@ def nearest_pair(points: Points) -> tuple[float, int, int]:
     return float(np.linalg.norm(space[first] - space[second])), low, high
 
 
-def near_pairs(points: Points, limit: float) -> tuple[Indices, Points]:
+def near_pairs(points: Points, limit: float, members: int | None = None) -> tuple[Indices, Points]:
     """Return the pairs of vehicles that are nearer than a limit, the nearest first.
 
     The work grows with the number of vehicles and of near pairs, not with that of all pairs.
@@ -121,6 +123,7 @@ def near_pairs(points: Points, limit: float) -> tuple[Indices, Points]:
     Args:
         points: Positions in metres, an array of shape (n, 3). NaN: unknown.
         limit: Metres, heights divided by `VERTICAL_FACTOR`.
+        members: As in `nearest_pair`.
 
     Returns:
         Indices of the vehicles, an array of shape (m, 2), and the scaled distance of each pair.
@@ -135,7 +138,11 @@ def near_pairs(points: Points, limit: float) -> tuple[Indices, Points]:
     between = np.linalg.norm(space[pairs[:, 0]] - space[pairs[:, 1]], axis=1)
     order = np.lexsort((pairs[:, 1], pairs[:, 0], between))
     order = order[between[order] < limit]
-    return known[pairs[order]], between[order]
+    found, near = known[pairs[order]], between[order]
+    if members is not None:
+        counts = found.min(axis=1) < members
+        found, near = found[counts], near[counts]
+    return found, near
 
 
 def _known(points: Points) -> tuple[Indices, Points]:

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from mavstack.swarm.arrays import Points
     from mavstack.swarm.avoidance import Avoidance
 
@@ -39,7 +41,7 @@ class Steering:
 
     places: Points
     velocities: Points
-    deviates: Points
+    deviates: npt.NDArray[np.bool_]
 
 
 def steer_members(

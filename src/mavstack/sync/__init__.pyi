@@ -2077,6 +2077,12 @@ class GuidedSession:
             RemoteCancelled: The connection was closed.
         """
 
+    def stop_stream(self) -> None:
+        """Repeat the last setpoint no more, since the caller sends setpoints by other means.
+
+        The next setpoint, and the end of the block, start the stream again.
+        """
+
     def velocity(self, north: float=0.0, east: float=0.0, up: float=0.0, *, yaw: float | None=None) -> None:
         """Fly with a velocity (SET_POSITION_TARGET_LOCAL_NED).
 
@@ -3942,6 +3948,14 @@ class Swarm:
         """The positions of `vehicles` in metres north, east, up of the ground below the leader's home."""
 
     @property
+    def paused(self) -> bool:
+        """True if the call that runs is paused."""
+
+    @property
+    def progress(self) -> tuple[float, float]:
+        """The seconds since the present course began, and those until its end; infinite if it has none."""
+
+    @property
     def course(self) -> float:
         """The direction of the formation in degrees."""
 
@@ -4045,6 +4059,18 @@ class Swarm:
         Args:
             reason: The reason, a sentence.
         """
+
+    def pause(self) -> None:
+        """Let all members stop on their ways, and wait; the call that runs does not end.
+
+        The time of the course slows down, so members keep their ways and the distances of the plan.
+
+        Raises:
+            InvalidArgumentError: The swarm follows a leader, which does not wait.
+        """
+
+    def resume(self) -> None:
+        """Continue the call that was paused."""
 
 class Terrain:
     """The terrain that a vehicle has from ground stations (TERRAIN_CHECK, TERRAIN_REPORT)."""

@@ -106,6 +106,13 @@ class GuidedSession(ReadOnly):
         self.check()
         self._stream.set(setpoint)
 
+    def stop_stream(self) -> None:
+        """Repeat the last setpoint no more, since the caller sends setpoints by other means.
+
+        The next setpoint, and the end of the block, start the stream again.
+        """
+        self._stream.stop()
+
     def velocity(
         self, north: float = 0.0, east: float = 0.0, up: float = 0.0, *, yaw: float | None = None
     ) -> None:

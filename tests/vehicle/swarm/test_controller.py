@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from mavstack.errors import ActionInterrupted, SwarmStopped
 from mavstack.sim.virtual import run_virtually
+from mavstack.swarm.courses import Following
+from mavstack.swarm.leader import LeaderFrame
+from mavstack.swarm.separation import Margins
 from mavstack.swarm.transitions import straight_transition
 from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
+from mavstack.vehicle.swarm.fleet import Readings
 
 STARTS = np.array([[0.0, 0.0, 20.0], [20.0, 0.0, 20.0]])
 GOALS = STARTS + np.array([0.0, 30.0, 0.0])
@@ -22,7 +25,7 @@ class PerfectMember:
     """A member that is where its last setpoint was, or a step of a tenth of a second along its velocity."""
 
     def __init__(self, system, place):
-        self.vehicle = SimpleNamespace(system=system)
+        self.system = system
         self.place, self.velocity = place, np.zeros(3)
         self.age = 0.0
         self.error = None
@@ -56,10 +59,32 @@ class Stranger(PerfectMember):
         raise AssertionError("it gets no setpoints")
 
 
-def run(scenario, options=None):
+class PerfectFleet:
+    """Members and other vehicles without a link, on the clock of the loop."""
+
+    def __init__(self, members):
+        self.members = tuple(members)
+        self.now = asyncio.get_running_loop().time
+
+    def read(self, others=()):
+        vehicles = (*self.members, *others)
+        positions, velocities = (np.array(each) for each in zip(*(v.state() for v in vehicles), strict=True))
+        ages = np.array([each.age for each in vehicles])
+        return Readings(positions, velocities, ages, positions[:, 2])
+
+    def check(self):
+        pass
+
+    def send(self, members, setpoints, heights):
+        for member, place, velocity in zip(members, setpoints.places, setpoints.velocities, strict=True):
+            member.follow(place, velocity)
+
+
+def run(scenario, options=None, kind=PerfectMember):
     async def whole():
-        members = [PerfectMember(index + 1, place) for index, place in enumerate(STARTS)]
-        controller = SwarmController(members, options or SwarmOptions(), asyncio.get_running_loop().time)
+        fleet = PerfectFleet(kind(index + 1, place) for index, place in enumerate(STARTS))
+        members, options_ = fleet.members, options or SwarmOptions(Margins(latency=0.0))
+        controller = SwarmController(fleet, options_)
         loop = asyncio.create_task(controller.run())
         try:
             await scenario(controller, members)
@@ -116,12 +141,32 @@ def test_a_course_waits_while_no_position_arrives():
     run(scenario)
 
 
+def test_members_pause_on_their_ways_and_fly_on():
+    async def scenario(controller, members):
+        course = straight_transition(STARTS, GOALS)
+        flight = asyncio.create_task(controller.fly(course, members))
+        await asyncio.sleep(3)
+        controller.pace.paused = True
+        await asyncio.sleep(4)
+        before, elapsed = members[0].place, controller.progress[0]
+        await asyncio.sleep(30)
+        assert members[0].place == pytest.approx(before, abs=1e-6)
+        assert before == pytest.approx(course.state(elapsed)[0][0], abs=0.1)
+        assert not flight.done()
+        assert not any(member.velocity.any() for member in members)
+        controller.pace.paused = False
+        await flight
+        assert np.array([each.place for each in members]) == pytest.approx(GOALS, abs=0.01)
+
+    run(scenario)
+
+
 def test_a_program_that_was_held_up_continues_where_it_was():
     async def scenario(controller, members):
         flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
         await asyncio.sleep(3)
-        before, now = members[0].place, controller._now
-        controller._now = lambda: now() + 7.0  # as a process that the system did not run sees it
+        before, now = members[0].place, controller._fleet.now
+        controller._fleet.now = lambda: now() + 7.0  # as a process that the system did not run sees it
         await asyncio.sleep(0.1)
         assert members[0].place[1] - before[1] < 3.0
         await flight
@@ -237,3 +282,66 @@ def test_members_fly_their_course_if_the_position_of_one_is_not_known():
         flight.cancel()
 
     run(scenario)
+
+
+class Leader(Stranger):
+    """A leader that flies north, and turns back through its followers."""
+
+    def __init__(self, frame, now):
+        super().__init__()
+        self.place, self.velocity = np.array([20.0, 0.0, 20.0]), np.array([3.0, 0.0, 0.0])
+        self.frame, self.now, self.steps = frame, now, 0
+
+    def state(self):
+        self.steps += 1
+        if self.steps == 100:
+            self.velocity = np.array([-8.0, 0.0, 0.0])  # faster than its followers
+        found = super().state()
+        self.frame.update(*found, self.now())
+        return found
+
+
+class LimitedMember(PerfectMember):
+    """A member that flies to its setpoint at 5 m/s at most."""
+
+    def follow(self, place, velocity):
+        before = self.place
+        way = 0.1 * velocity if np.isnan(place).any() else place - before
+        self.place = before + way * min(1.0, 0.5 / max(np.linalg.norm(way), 1e-9))
+        self.velocity = 10.0 * (self.place - before)
+
+
+#: The places of two followers behind their leader, and the same exchanged: their ways cross.
+COLUMN = np.array([[-10.0, 0.0, 0.0], [-20.0, 0.0, 0.0]])
+FOLLOWERS = {"in their order": COLUMN, "crossing": COLUMN[::-1]}
+
+
+async def follow_back(controller, members, offsets):
+    """Let members follow a leader that turns back, for half a minute."""
+    frame, now = LeaderFrame(0.0, 1.0), controller._fleet.now  # a wide formation turns slowly
+    leader = Leader(frame, now)
+    for member, place in zip(members, leader.place + COLUMN, strict=True):
+        member.place = place
+    frame.update(leader.place, leader.velocity, now())
+    course = Following(frame, offsets, now())
+    await controller.fly(course, members, until=30.0, others=[leader])
+    assert leader.place[0] < -10.0, "it flew through them"
+
+
+@pytest.mark.parametrize("order", FOLLOWERS)
+def test_followers_avoid_a_leader_that_turns_back_and_each_other(order):
+    async def scenario(controller, members):
+        await follow_back(controller, members, FOLLOWERS[order])
+        assert controller.guard.smallest_separation >= 2.0
+
+    run(scenario, kind=LimitedMember)
+
+
+@pytest.mark.parametrize("order", FOLLOWERS)
+def test_without_avoidance_followers_come_too_near(order):
+    async def scenario(controller, members):
+        with pytest.raises(SwarmStopped, match="separation of vehicle"):
+            await follow_back(controller, members, FOLLOWERS[order])
+        assert controller.guard.smallest_separation < 2.0
+
+    run(scenario, SwarmOptions(Margins(latency=0.0), avoid=False), LimitedMember)

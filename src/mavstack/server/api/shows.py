@@ -1,4 +1,4 @@
-"""The preview of a show: its check, and where each vehicle is over time. Nothing is sent to vehicles."""
+"""Shows: the preview, with the check and where each vehicle is over time, and the flight by setpoints."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ import numpy as np
 from msgspec import Meta
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.http.bodies import RefusedError
 from mavstack.http.request_fields import Fields
-from mavstack.http.routes import RouteTable
+from mavstack.http.routes import RouteTable, WaitField
 from mavstack.security.roles import Role
+from mavstack.server.api.swarms import STATE
 from mavstack.server.api_route import AnyRoute, ApiRoute, Call
+from mavstack.server.request_types import Latitude, Longitude
 from mavstack.swarm.separation import Margins
 from mavstack.swarm.shows.check import RATE, ShowLimits, check_show
 from mavstack.swarm.shows.reading import parse_show
 from mavstack.swarm.transitions import Limits
+from mavstack.vehicle.swarm import Swarm, SwarmOptions
 
 if TYPE_CHECKING:
     from mavstack.swarm.shows.show import Show
@@ -43,6 +47,43 @@ class ShowQuery(Fields):
     speed: Annotated[float, Meta(description="Largest speed over ground in m/s.", gt=0, le=1000)] = 5.0
     climb: Annotated[float, Meta(description="Largest vertical speed in m/s.", gt=0, le=1000)] = 2.0
     acceleration: Annotated[float, Meta(description="Largest acceleration in m/s².", gt=0, le=1000)] = 2.0
+
+
+class ShowFlight(ShowQuery, kw_only=True):
+    """Fly a show by setpoints: the part of it in which all vehicles are in the air."""
+
+    wait: WaitField = True
+    systems: Annotated[
+        str,
+        Meta(
+            description="System ids of as many vehicles as the show has, in the air, separated by commas.",
+            pattern=r"^[1-9][0-9]{0,2}(,[1-9][0-9]{0,2}){0,254}$",
+            examples=["1,2,3,4"],
+        ),
+    ]
+    latitude: Annotated[
+        Latitude | None,
+        Meta(description="Degrees, of the show's origin; null: the middle of the vehicles."),
+    ] = None
+    longitude: Annotated[Longitude | None, Meta(description="Degrees.")] = None
+    orientation: Annotated[
+        float, Meta(description="Direction of the show's x axis in degrees, clockwise from north.")
+    ] = 0.0
+
+    @property
+    def options(self) -> SwarmOptions:
+        """How the vehicles fly."""
+        limits = Limits(self.speed, self.climb, self.acceleration)
+        return SwarmOptions(Margins(position=self.position_error, speed=self.speed), limits)
+
+    @property
+    def origin(self) -> tuple[float, float] | None:
+        """Latitude and longitude of the show's origin; raises `RefusedError` if one is missing."""
+        if self.latitude is None and self.longitude is None:
+            return None
+        if self.latitude is None or self.longitude is None:
+            raise RefusedError(400, "the origin needs both latitude and longitude")
+        return self.latitude, self.longitude
 
 
 ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "swarm")
@@ -117,3 +158,24 @@ def _tracks(show: Show) -> list[dict[str, Any]]:
         }
         for each in show.vehicles
     ]
+
+
+@ROUTES.add(
+    "POST",
+    "/api/swarm/show",
+    "Fly a show by setpoints: the part of it in which all vehicles are in the air",
+    role=Role.OPERATE,
+    takes_bytes=True,
+    max_body=MAX_BYTES,
+    answer=STATE,
+)
+async def _fly(call: Call[None, ShowFlight]) -> dict[str, Any]:
+    query, swarm = call.query, call.station.swarm
+    origin, systems = query.origin, [int(each) for each in query.systems.split(",")]
+    vehicles = swarm.select(systems, None)
+    show = await asyncio.to_thread(parse_show, call.data, query.name)
+
+    async def work(flying: Swarm) -> None:
+        await flying.show(show, origin=origin, orientation=query.orientation)
+
+    return await swarm.fly("show", vehicles, work, query.options)

@@ -142,10 +142,12 @@ class FollowVehicle(_Shaped, kw_only=True):
     ] = None
 
 
-_STATE: Final = {
+#: The answer of operations that return the state of the swarm.
+STATE: Final = {
     "active": True,
     "action": "formation",
     "reason": None,
+    "paused": False,
     "leader": 1,
     "systems": [1],
     "course_deg": 0.0,
@@ -169,7 +171,7 @@ _STATE: Final = {
 ROUTES: Final[RouteTable[AnyRoute]] = RouteTable(ApiRoute, "swarm")
 
 
-@ROUTES.add("GET", "/api/swarm", "Show the swarm, with the smallest separation of its members", answer=_STATE)
+@ROUTES.add("GET", "/api/swarm", "Show the swarm, with the smallest separation of its members", answer=STATE)
 async def _show(call: PlainCall) -> dict[str, Any]:
     return call.station.swarm.values()
 
@@ -195,7 +197,7 @@ async def _preview(call: Call[PreviewFormation, None]) -> dict[str, Any]:
     return {"shape": shape.name, "spacing_m": shape.spacing, "slots": slots.round(3).tolist()}
 
 
-@ROUTES.add("POST", "/api/swarm/formation", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/formation", role=Role.OPERATE, answer=STATE)
 async def _formation(call: Call[FlyFormation, Wait]) -> dict[str, Any]:
     body, swarm = call.body, call.station.swarm
     shape, vehicles = body.formation(), swarm.select(body.systems, body.lead)
@@ -210,7 +212,7 @@ async def _formation(call: Call[FlyFormation, Wait]) -> dict[str, Any]:
     return await swarm.fly("formation", vehicles, work)
 
 
-@ROUTES.add("POST", "/api/swarm/takeoff", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/takeoff", role=Role.OPERATE, answer=STATE)
 async def _takeoff(call: Call[LaunchSwarm, Wait]) -> dict[str, Any]:
     body, swarm = call.body, call.station.swarm
     vehicles = swarm.select(body.systems, body.lead)
@@ -221,25 +223,25 @@ async def _launch(group: Group, altitude: float, layer_spacing: float) -> None:
     (await take_off(group, altitude, layer_spacing=layer_spacing)).check()
 
 
-@ROUTES.add("POST", "/api/swarm/move", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/move", role=Role.OPERATE, answer=STATE)
 async def _move(call: Call[MoveSwarm, Wait]) -> dict[str, Any]:
     body = call.body
     return await _fly(call, "move", lambda swarm: swarm.move(body.north, body.east, body.up))
 
 
-@ROUTES.add("POST", "/api/swarm/goto", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/goto", role=Role.OPERATE, answer=STATE)
 async def _goto(call: Call[SendSwarm, Wait]) -> dict[str, Any]:
     body = call.body
     return await _fly(call, "goto", lambda swarm: swarm.goto(body.latitude, body.longitude, body.altitude))
 
 
-@ROUTES.add("POST", "/api/swarm/rotate", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/rotate", role=Role.OPERATE, answer=STATE)
 async def _rotate(call: Call[RotateSwarm, Wait]) -> dict[str, Any]:
     degrees = call.body.degrees
     return await _fly(call, "rotate", lambda swarm: swarm.rotate(degrees))
 
 
-@ROUTES.add("POST", "/api/swarm/follow", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/follow", role=Role.OPERATE, answer=STATE)
 async def _follow(call: Call[FollowVehicle, Wait]) -> dict[str, Any]:
     body, station = call.body, call.station
     leader, shape = station.vehicle(body.leader), body.formation()
@@ -258,20 +260,38 @@ async def _fly(call: Call[Any, Any], action: str, work: Any) -> dict[str, Any]: 
     return await swarm.fly(action, swarm.select(call.body.systems, call.body.lead), work)
 
 
-@ROUTES.add("POST", "/api/swarm/land", "Land all members", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/land", "Land all members", role=Role.OPERATE, answer=STATE)
 async def _land(call: Call[Members, Wait]) -> dict[str, Any]:
     swarm = call.station.swarm
     return await swarm.land(swarm.select(call.body.systems, call.body.lead))
 
 
-@ROUTES.add("POST", "/api/swarm/stop", "Stop all members", role=Role.OPERATE, answer=_STATE)
+@ROUTES.add("POST", "/api/swarm/stop", "Stop all members", role=Role.OPERATE, answer=STATE)
 async def _stop(call: Call[Members, None]) -> dict[str, Any]:
     swarm = call.station.swarm
     return await swarm.stop(swarm.select(call.body.systems, call.body.lead))
 
 
 @ROUTES.add(
-    "DELETE", "/api/swarm", "End the swarm: each member holds where it is", role=Role.OPERATE, answer=_STATE
+    "POST",
+    "/api/swarm/pause",
+    "Let all members stop on their ways, and wait; the flight does not end",
+    role=Role.OPERATE,
+    answer=STATE,
+)
+async def _pause(call: PlainCall) -> dict[str, Any]:
+    return call.station.swarm.pause(paused=True)
+
+
+@ROUTES.add(
+    "POST", "/api/swarm/resume", "Continue the flight that was paused", role=Role.OPERATE, answer=STATE
+)
+async def _resume(call: PlainCall) -> dict[str, Any]:
+    return call.station.swarm.pause(paused=False)
+
+
+@ROUTES.add(
+    "DELETE", "/api/swarm", "End the swarm: each member holds where it is", role=Role.OPERATE, answer=STATE
 )
 async def _end(call: PlainCall) -> dict[str, Any]:
     swarm = call.station.swarm

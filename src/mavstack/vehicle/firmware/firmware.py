@@ -121,6 +121,9 @@ class Firmware(LoopBound):
     LACKING_TYPES: ClassVar[Mapping[str, frozenset[VehicleType]]] = MappingProxyType({})
     #: The longest motor test that one command starts, in seconds.
     MAX_MOTOR_TEST: ClassVar[float] = inf
+    #: True if the acceleration of a setpoint with a position and a velocity is added to the vehicle's own;
+    #: others ignore it, or the whole setpoint.
+    FOLLOWS_ACCELERATION: ClassVar[bool] = False
     #: True if the heartbeat of a vehicle says that it is armed while a motor is tested.
     MOTOR_TEST_ARMS: ClassVar[bool] = False
 

@@ -35,6 +35,7 @@ class Px4(Firmware):
     """A vehicle that runs PX4."""
 
     NAME: ClassVar[str] = "PX4"
+    FOLLOWS_ACCELERATION: ClassVar[bool] = True
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
             "takeoff": frozenset({"takeoff", "vtol_takeoff"}) | _HOLD,

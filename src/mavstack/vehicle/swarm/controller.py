@@ -1,7 +1,8 @@
 """The control loop of a swarm: ten times a second from positions to setpoints, with the guard beside it.
 
 The loop takes one course at a time. Each step it reads the members' states, updates the roster, lets the
-guard judge them, and sends a setpoint to each member that is present. If the guard finds a breach, the
+guard judge them, and sends a setpoint to each member that is present. A setpoint is the place of the course
+after the delay with which the member follows (`mavstack.swarm.delays`). If the guard finds a breach, the
 members stand where they are, and the call that waits for the course ends in `SwarmStopped`. A vehicle that
 leaves its mode, since a pilot or `mav swarm stop` took it, leaves the swarm and is not called back.
 
@@ -26,19 +27,24 @@ import numpy as np
 from mavstack.errors import SwarmStopped
 from mavstack.swarm.avoidance import Avoidance
 from mavstack.swarm.courses import Standing
+from mavstack.swarm.delays import Delays
 from mavstack.swarm.guard import Breach, Guard, GuardLimits
+from mavstack.swarm.pace import Pace
 from mavstack.swarm.roster import Roster
 from mavstack.swarm.separation import Margins
 from mavstack.swarm.steering import steer_members
 from mavstack.swarm.transitions import Limits
+from mavstack.vehicle.swarm.fleet import Setpoints
 from mavstack.vehicle.swarm.member import RATE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from mavstack.swarm.arrays import Points
+    from mavstack.swarm.arrays import Indices, Points
     from mavstack.swarm.courses import Course
-    from mavstack.vehicle.swarm.member import Member, State
+    from mavstack.swarm.steering import Steering
+    from mavstack.vehicle.swarm.fleet import Fleet, Readings
+    from mavstack.vehicle.swarm.member import Member
 
 logger = logging.getLogger("mavstack.vehicle")
 _STEP: Final = 1.0 / RATE
@@ -79,21 +85,21 @@ class SwarmController:
     """Runs courses.
 
     Args:
-        members: The members, the leader first.
+        fleet: The members, the leader first.
         options: How the swarm flies.
-        now: The clock in seconds.
     """
 
-    def __init__(self, members: Sequence[Member], options: SwarmOptions, now: Callable[[], float]) -> None:
-        self.members = tuple(members)
+    def __init__(self, fleet: Fleet, options: SwarmOptions) -> None:
+        self.members = fleet.members
         self.options = options
         self.guard = Guard(options.guard)
         self.roster = Roster(
-            (each.vehicle.system for each in members),
+            (each.system for each in fleet.members),
             timeout=options.guard.link_age,
             close_gaps=options.close_gaps,
         )
-        self._now = now
+        self._fleet = fleet
+        self._indices = {each: index for index, each in enumerate(fleet.members)}
         self._stopped: SwarmStopped | None = None
         self._progress = asyncio.Event()
         planned = options.margins.planned_distance
@@ -105,17 +111,23 @@ class SwarmController:
             acceleration=options.limits.acceleration,
             step=_STEP,
         )
+        self.delays = Delays(len(fleet.members), options.margins.latency)
         self.stand()
 
     @property
     def active(self) -> list[Member]:
         """The members that follow setpoints and whose positions arrive, in order."""
         present = set(self.roster.present)
-        return [each for each in self.members if each.is_following and each.vehicle.system in present]
+        return [each for each in self.members if each.is_following and each.system in present]
+
+    @property
+    def progress(self) -> tuple[float, float]:
+        """The seconds since the course began, and until its end; infinite if it has none."""
+        return self._elapsed, self._course.duration
 
     def places(self) -> Points:
         """Return the positions of the active members, in metres north, east, up."""
-        return np.array([each.state()[0] for each in self.active]).reshape(-1, 3)
+        return self._fleet.read().positions[self._rows_of(self.active)]
 
     async def run(self) -> None:
         """Run until the task is cancelled."""
@@ -168,7 +180,7 @@ class SwarmController:
                 if self._stopped is not None:
                     raise self._stopped
                 if self._elapsed > duration + ARRIVAL_TIMEOUT:
-                    late = [each.vehicle.system for each in self._late()]
+                    late = [each.system for each in self._late()]
                     names = "members" if not late else "vehicle " + ", ".join(map(str, late))
                     self.stop(f"{names} did not arrive at their slots", late)
         except asyncio.CancelledError:
@@ -178,20 +190,28 @@ class SwarmController:
     def _begin(self, course: Course, members: Sequence[Member], others: Sequence[Member]) -> None:
         self._course, self._elapsed = course, 0.0
         self._flying, self._others = tuple(members), tuple(others)
-        self._advanced = self._received = self._now()
+        self._advanced = self._received = self._fleet.now()
+        self.pace = Pace()
 
-    def _advance(self) -> None:
-        """Advance the time of the course; see the head of the module."""
-        now = self._now()
+    def _rows_of(self, members: Sequence[Member]) -> Indices:
+        return np.array([self._indices[each] for each in members], dtype=np.int64)
+
+    def _advance(self, youngest: float) -> float:
+        """Advance the time of the course, and return by how much; see the head of the module.
+
+        Args:
+            youngest: Seconds since the last position of any member was received.
+        """
+        now = self._fleet.now()
         step, self._advanced = now - self._advanced, now
-        if min(each.age for each in self.members) <= _LATE:
+        if youngest <= _LATE:
             self._received = now
         elif now - self._received > SILENCE_TIMEOUT and self._stopped is None:
             self._stopped = SwarmStopped("no positions of the members arrive", ())
-        if math.isinf(self._course.duration):
-            self._elapsed += step
-        elif not self._waits:
-            self._elapsed += min(step, _MAX_STEP)
+        if not math.isinf(self._course.duration):
+            step = 0.0 if self._waits else self.pace.advance(min(step, _MAX_STEP))
+        self._elapsed += step
+        return step
 
     @property
     def _waits(self) -> bool:
@@ -203,76 +223,105 @@ class SwarmController:
         return endless or (bool(self.active) and not self._late())
 
     def _late(self) -> list[Member]:
+        """Return the active members that have not arrived at their places."""
         places, _ = self._course.state(self._elapsed)
+        found = self._fleet.read().take(self._rows_of(self._flying))
+        far = np.linalg.norm(found.positions - places, axis=1) > ARRIVAL_DISTANCE
+        moves = np.linalg.norm(found.velocities, axis=1) > _SETTLED_SPEED
         active = set(self.active)
-        found = []
-        for member, place in zip(self._flying, places, strict=True):
-            position, velocity = member.state()
-            far = float(np.linalg.norm(position - place)) > ARRIVAL_DISTANCE
-            if member in active and (far or float(np.linalg.norm(velocity)) > _SETTLED_SPEED):
-                found.append(member)
-        return found
+        return [self._flying[index] for index in np.flatnonzero(far | moves) if self._flying[index] in active]
 
     def _step(self) -> None:
-        self._update_roster()
-        states = {each: each.state() for each in (*self.members, *self._others)}
-        self._check_guard(np.array([position for position, _ in states.values()]))
-        self._advance()
-        places, motion = self._course.state(self._elapsed)
-        if self._waits:
-            motion = np.zeros_like(motion)
+        self._fleet.check()
+        readings, count = self._fleet.read(self._others), len(self.members)
+        ages = readings.ages[:count]
+        self._update_roster(ages)
+        self._check_guard(readings)
+        step = self._advance(float(ages.min()))
         present = set(self.active)
         active = [index for index, each in enumerate(self._flying) if each in present]
-        if not active:
-            # Members whose positions are late may return; meanwhile their last setpoints are streamed.
-            if self._stopped is None and not any(each.is_following for each in self.members):
-                self._stopped = SwarmStopped("no member follows setpoints any more", ())
-            return
         flying = [self._flying[index] for index in active]
-        course = places[active], motion[active]
-        if self.options.avoid:
-            course = self._avoiding(
-                course, [states[each] for each in flying], [states[each] for each in self._others]
-            )
-        for member, place, velocity in zip(flying, *course, strict=True):
-            member.follow(place, velocity)
+        if not active and self._stopped is None and not any(each.is_following for each in self.members):
+            # Members whose positions are late may return; meanwhile they get their last setpoints.
+            self._stopped = SwarmStopped("no member follows setpoints any more", ())
+        rows = self._rows_of(flying)
+        states, others = readings.take(rows), readings.take(slice(count, None))
+        places, motion = (each[active] for each in self._course.state(self._elapsed))
+        course = places, motion * (0.0 if self._waits else self.pace.rate)
+        steering = self._steering(course, states, others)
+        free = np.ones(len(rows), bool) if steering is None else ~steering.deviates
+        if not self._waits:
+            learning = np.flatnonzero(free & (states.ages <= _LATE))
+            behind = (places - states.positions)[learning]
+            self.delays.learn(rows[learning], behind, course[1][learning], step)
+        setpoints = self._ahead(rows, active, course)
+        if steering is not None:
+            setpoints = _around(steering, setpoints)
+        self._fleet.send(flying, setpoints, states.heights)
 
-    def _avoiding(
-        self, course: tuple[Points, Points], members: list[State], others: list[State]
-    ) -> tuple[Points, Points]:
-        """Return the setpoints with which members avoid each other, and vehicles that are not members."""
-        positions, velocities = _columns(members)
-        if not np.isfinite(positions).all():
-            return course
-        known = [each for each in others if np.isfinite(each[0]).all()]
-        steering = steer_members(positions, velocities, course, self._avoidance, _columns(known))
-        return steering.places, steering.velocities
+    def _steering(
+        self, course: tuple[Points, Points], members: Readings, others: Readings
+    ) -> Steering | None:
+        """Return how members avoid each other and other vehicles; None: they fly their course."""
+        if not self.options.avoid or not np.isfinite(members.positions).all():
+            return None
+        known = others.take(np.flatnonzero(np.isfinite(others.positions).all(axis=1)))
+        return steer_members(
+            members.positions,
+            members.velocities,
+            course,
+            self._avoidance,
+            (known.positions, known.velocities),
+        )
 
-    def _update_roster(self) -> None:
-        now = self._now()
-        seen = {each.vehicle.system: now - each.age for each in self.members}
-        change = self.roster.update(seen, now)
+    def _ahead(self, rows: Indices, flying: list[int], course: tuple[Points, Points]) -> Setpoints:
+        """Return the places of the course after the delay of each member.
+
+        Args:
+            rows: The indices of the members.
+            flying: Their rows of the course.
+            course: Places and velocities now.
+        """
+        still = np.zeros((len(rows), 3))
+        if self._waits:
+            return Setpoints(*course, still)
+        if math.isinf(self._course.duration):  # a leader's motion is not known in advance
+            return Setpoints(*self.delays.lead(rows, (*course, still)), still)
+        rate, after = self.pace.rate, float(np.median(self.delays.seconds))
+        places, motion = (each[flying] for each in self._course.state(self._elapsed + rate * after))
+        _, later = self._course.state(self._elapsed + rate * after + _STEP)
+        acceleration = rate**2 * (later[flying] - motion) / _STEP + self.pace.slope * motion
+        lead = self.delays.lead(rows, (places, rate * motion, acceleration), after)
+        return Setpoints(*lead, acceleration)
+
+    def _update_roster(self, ages: Points) -> None:
+        now = self._fleet.now()
+        systems = (each.system for each in self.members)
+        change = self.roster.update(dict(zip(systems, (now - ages).tolist(), strict=True)), now)
         for system in change.lost:
             logger.warning("vehicle %d was lost by its swarm: no position arrives", system)
         for member in self.members:
-            if member.error is not None and member.vehicle.system in self.roster.present:
-                self.roster.remove(member.vehicle.system)
-                logger.warning("vehicle %d left its swarm: %s", member.vehicle.system, member.error)
+            if member.error is not None and member.system in self.roster.present:
+                self.roster.remove(member.system)
+                logger.warning("vehicle %d left its swarm: %s", member.system, member.error)
         if change.leader is not None:
             logger.warning("vehicle %d leads the swarm now", change.leader)
 
-    def _check_guard(self, positions: Points) -> None:
+    def _check_guard(self, readings: Readings) -> None:
         vehicles = (*self.members, *self._others)
-        for finding in self.guard.check(positions, [each.age for each in self.members]):
+        for finding in self.guard.check(readings.positions, readings.ages[: len(self.members)]):
             if finding.breach is Breach.LINK:  # the roster handles lost links
                 continue
-            systems = [vehicles[index].vehicle.system for index in finding.members]
+            systems = [vehicles[index].system for index in finding.members]
             names = " and ".join(f"vehicle {system}" for system in systems)
             self.stop(f"{finding.breach} of {names}: {finding.text}", systems)
 
 
-def _columns(states: Sequence[State]) -> State:
-    """Return the positions and the velocities of vehicles, two arrays of shape (n, 3)."""
-    return np.array([each for each, _ in states]).reshape(-1, 3), np.array(
-        [each for _, each in states]
-    ).reshape(-1, 3)
+def _around(steering: Steering, course: Setpoints) -> Setpoints:
+    """Return the setpoints of the course, apart from members that avoid another vehicle."""
+    off_course = steering.deviates[:, None]
+    return Setpoints(
+        np.where(off_course, steering.places, course.places),
+        np.where(off_course, steering.velocities, course.velocities),
+        np.where(off_course, 0.0, course.accelerations),
+    )

@@ -28,11 +28,14 @@ from mavstack.services.arguments import check_numbers
 from mavstack.swarm.courses import Following, Turn
 from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
-from mavstack.swarm.shows.check import ShowLimits, check_show
+from mavstack.swarm.shows.check import ShowLimits
 from mavstack.swarm.shows.show import ShowCourse, placed
 from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
+from mavstack.vehicle.swarm.checks import check_heights, check_show_of
 from mavstack.vehicle.swarm.controller import SwarmController, SwarmOptions
-from mavstack.vehicle.swarm.member import LOWEST_SLOT, RATE, Member
+from mavstack.vehicle.swarm.fleet import LOWEST_SLOT, Fleet
+from mavstack.vehicle.swarm.leader_watch import fly_with_leader, measure
+from mavstack.vehicle.swarm.member import RATE, Member
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
@@ -59,19 +62,21 @@ class Swarm(ReadOnly):
         self._options = options or SwarmOptions()
         self._controller: SwarmController | None = None
         self._loop: asyncio.Task[None] | None = None
+        self._fleet: Fleet | None = None
         self._course = 0.0
         self._origin: LocalFrame | None = None
 
     async def __aenter__(self) -> Self:
         await self._call("requesting positions of", self._request_positions)
-        members = [Member(vehicle, self._frame()) for vehicle in self._vehicles]
+        members = [Member(vehicle) for vehicle in self._vehicles]
         try:
             await asyncio.gather(*(member.enter() for member in members))
         except BaseException:
             await _leave(members)
             raise
-        controller = SwarmController(members, self._options, self._vehicles[0].connection.now)
-        self._controller = controller
+        self._fleet = fleet = Fleet(members, self._frame())
+        fleet.open()
+        self._controller = controller = SwarmController(fleet, self._options)
         self._loop = asyncio.create_task(controller.run())
         return self
 
@@ -83,6 +88,8 @@ class Swarm(ReadOnly):
             self._loop.cancel()
             with suppress(asyncio.CancelledError):
                 await self._loop
+        if self._fleet is not None:
+            self._fleet.close()
         await _leave(controller.members)
 
     @property
@@ -99,6 +106,16 @@ class Swarm(ReadOnly):
     def places(self) -> Points:
         """The positions of `vehicles` in metres north, east, up of the ground below the leader's home."""
         return self._running.places()
+
+    @property
+    def paused(self) -> bool:
+        """True if the call that runs is paused."""
+        return self._running.pace.paused
+
+    @property
+    def progress(self) -> tuple[float, float]:
+        """The seconds since the present course began, and those until its end; infinite if it has none."""
+        return self._running.progress
 
     @property
     def course(self) -> float:
@@ -139,7 +156,7 @@ class Swarm(ReadOnly):
         direction = self._course if course is None else course
         centre = starts[0] if altitude is None else np.array((starts[0, 0], starts[0, 1], altitude))
         slots = centre + rotate_to_course(offsets, direction)
-        _check_heights(slots, starts)
+        check_heights(slots, starts)
         plan = self._plan(starts, slots)
         self._course = direction
         await self._running.fly(plan, members)
@@ -172,8 +189,8 @@ class Swarm(ReadOnly):
             SwarmStopped: The guard or `stop` ended the flight.
         """
         check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
-        leader = self._present()[0][0]
-        here, _ = leader.state()
+        members, places = self._present()
+        leader, here = members[0], places[0]
         north, east, _ = self._frame().to_local(latitude, longitude, 0.0)
         position = leader.vehicle.position
         now = None if position is None else position.relative_altitude
@@ -221,26 +238,23 @@ class Swarm(ReadOnly):
             raise InvalidArgumentError(
                 f"vehicle {leader.system} is a member, and cannot be followed by the swarm"
             )
-        await leader.set_message_rate(common.GlobalPositionInt, RATE)
-        target, (members, places) = Member(leader, self._frame()), self._present()
+        await self._request_positions(leader)
+        target, (members, places) = Member(leader), self._present()
         offsets = self._shape(formation, spacing, options).offsets(len(members) + 1)[1:]
-        speed = self._options.limits.speed
-        frame = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
+        speed, link_age = self._options.limits.speed, self._options.guard.link_age
+        motion = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
+        measure(target, motion, self._frame())
         now = leader.connection.now
-        measure = asyncio.create_task(_measure(target, frame, self._options.guard.link_age))
-        try:
-            await asyncio.sleep(0)
-            slots, _ = frame.slots(offsets, now())
-            plan = self._plan(places, slots)
+        plan = self._plan(places, motion.slots(offsets, now())[0])
+
+        async def flight() -> None:
             await self._running.fly(plan, members, others=[target])
-            course = Following(frame, offsets[plan.slots], now())
-            flight = asyncio.create_task(self._running.fly(course, members, until=duration, others=[target]))
-            done, _ = await asyncio.wait((measure, flight), return_when=asyncio.FIRST_COMPLETED)
-            flight.cancel()
-            for each in done:
-                each.result()
+            course = Following(motion, offsets[plan.slots], now())
+            await self._running.fly(course, members, until=duration, others=[target])
+
+        try:
+            await fly_with_leader(flight(), target, motion, self._frame(), link_age)
         finally:
-            measure.cancel()
             self._running.stand()
 
     async def show(
@@ -266,7 +280,7 @@ class Swarm(ReadOnly):
         members, starts = self._present()
         options = self._options
         limits = ShowLimits(options.margins.planned_distance, options.limits, math.inf, math.inf)
-        await asyncio.to_thread(_check_show, show, len(members), limits)
+        await asyncio.to_thread(check_show_of, show, len(members), limits)
         first, last = show.airborne(LOWEST_SLOT)
         slots = placed(show.positions(first), orientation)
         shift = np.append((starts - slots)[:, :2].mean(axis=0), 0.0)
@@ -294,6 +308,22 @@ class Swarm(ReadOnly):
             reason: The reason, a sentence.
         """
         self._running.stop(reason)
+
+    def pause(self) -> None:
+        """Let all members stop on their ways, and wait; the call that runs does not end.
+
+        The time of the course slows down, so members keep their ways and the distances of the plan.
+
+        Raises:
+            InvalidArgumentError: The swarm follows a leader, which does not wait.
+        """
+        if math.isinf(self._running.progress[1]):
+            raise InvalidArgumentError("a swarm that follows a leader cannot pause: stop it")
+        self._running.pace.paused = True
+
+    def resume(self) -> None:
+        """Continue the call that was paused."""
+        self._running.pace.paused = False
 
     @property
     def _running(self) -> SwarmController:
@@ -349,26 +379,6 @@ class Swarm(ReadOnly):
             raise GroupError(name, errors, len(outcomes))
 
 
-def _check_show(show: Show, members: int, limits: ShowLimits) -> None:
-    """Refuse a show that these members cannot fly."""
-    if len(show.vehicles) != members:
-        raise InvalidArgumentError(f"the show has {len(show.vehicles)} vehicles, the swarm has {members}")
-    problems = check_show(show, limits).problems
-    if problems:
-        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-        raise InvalidArgumentError(f"the show cannot be flown: {problems[0]}{more}")
-
-
-def _check_heights(slots: Points, starts: Points) -> None:
-    """Refuse slots near the ground, unless a vehicle is as low: a rover has no other height."""
-    lowest = float(slots[:, 2].min())
-    if lowest < min(LOWEST_SLOT, float(starts[:, 2].min())):
-        raise InvalidArgumentError(
-            f"slots must be at least {LOWEST_SLOT:g} m above the leader's home, the lowest one is at "
-            f"{lowest:.1f} m: increase the altitude or reduce the spacing"
-        )
-
-
 async def _leave(members: Iterable[Member]) -> None:
     """Let all members hold; what one refuses keeps no other from it."""
     outcomes = await asyncio.gather(*(member.leave() for member in members), return_exceptions=True)
@@ -379,11 +389,3 @@ async def _leave(members: Iterable[Member]) -> None:
     }
     if errors:
         raise GroupError("holding after the swarm", errors, len(outcomes))
-
-
-async def _measure(target: Member, frame: LeaderFrame, link_age: float) -> None:
-    while target.age <= link_age:
-        position, velocity = target.state()
-        frame.update(position, velocity, target.vehicle.connection.now())
-        await asyncio.sleep(1.0 / RATE)
-    raise ContactLost("following", str(target.vehicle.address), answer="no position arrives")

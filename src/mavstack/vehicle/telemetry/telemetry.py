@@ -103,6 +103,12 @@ class Telemetry(LoopBound):
         found = None if stored is None else stored[0].message
         return found if isinstance(found, message) else None
 
+    def latest_with_time(self, message: type[AnyMessage]) -> tuple[AnyMessage, float] | None:
+        """Return the last message of a class from the autopilot, and when it was received in Unix seconds."""
+        stored = self._intake.latest(self._source(None), message.__mavlink_row__[0])
+        found = None if stored is None else stored[0].message
+        return (found, stored[1]) if stored is not None and isinstance(found, message) else None
+
     def received_at(self, message: type[Message], component: int | None = None) -> float | None:
         """Return the time when the last message of a class was received, in Unix seconds."""
         return self._intake.received_at(self._source(component), message.__mavlink_row__[0])

@@ -1,9 +1,14 @@
-/** A show that the station has checked, and its preview over time. */
+/** A show that the station has checked, its preview over time, and its flight. */
 
 import { api } from '$lib/api/client';
+import type { Place } from '$lib/map/geometry';
 
 import { placeAt } from './showTracks';
 import type { Slot } from './slots';
+import { swarm } from './swarm.svelte';
+
+/** Metres above home to which vehicles take off before a show. */
+const ALTITUDE = 10;
 
 export interface ShowPreview {
   readonly name: string;
@@ -25,6 +30,12 @@ class ShowView {
   /** Direction of the x axis in degrees, clockwise from north. */
   orientation: number | null = $state(0);
 
+  /** The vehicles that fly it, as a person has chosen them. */
+  systems: readonly number[] = $state.raw([]);
+  /** Arm and take off before the flight. */
+  takeoff = $state(false);
+  private file: File | null = null;
+
   /** Where each vehicle is at the time: metres ahead, right and up of the origin. */
   readonly places: readonly Slot[] = $derived.by(() => {
     const { preview, time } = this;
@@ -34,7 +45,23 @@ class ShowView {
   async open(file: File): Promise<void> {
     this.isPlaying = false;
     this.preview = await api.postBytes<ShowPreview>('shows', file, { name: file.name });
+    this.file = file;
+    this.systems = [];
     this.time = 0;
+  }
+
+  /** Flies the show with the chosen vehicles, around a place; resolves at its end. */
+  async fly(origin: Place | null): Promise<void> {
+    const { file, systems } = this;
+    if (file === null) return;
+    if (this.takeoff) await api.longJson('POST', 'swarm/takeoff', undefined, { systems, altitude: ALTITUDE });
+    await api.longJson('POST', 'swarm/show', undefined, file, {
+      name: file.name,
+      systems: systems.join(','),
+      orientation: this.orientation ?? 0,
+      ...(origin === null ? {} : { latitude: origin.latitude, longitude: origin.longitude }),
+    });
+    await swarm.refresh();
   }
 
   toggle(): void {
@@ -54,6 +81,7 @@ class ShowView {
 
   close(): void {
     this.preview = null;
+    this.file = null;
     this.isPlaying = false;
   }
 }

@@ -12,6 +12,7 @@ export interface SwarmState {
   readonly active: boolean;
   readonly action: string | null;
   readonly reason: string | null;
+  readonly paused: boolean;
   readonly leader: number | null;
   readonly systems: readonly number[];
   readonly course_deg: number | null;
@@ -124,6 +125,11 @@ class SwarmView {
   async stop(): Promise<void> {
     await api.post('swarm/stop', this.members);
     await this.refresh();
+  }
+
+  /** Lets the flight wait on its way, or go on. */
+  async pause(paused: boolean): Promise<void> {
+    this.state = await api.post<SwarmState>(paused ? 'swarm/pause' : 'swarm/resume', {});
   }
 
   async end(): Promise<void> {
