@@ -307,7 +307,7 @@ class LimitedMember(PerfectMember):
     def follow(self, place, velocity):
         before = self.place
         way = 0.1 * velocity if np.isnan(place).any() else place - before
-        self.place = before + way * min(1.0, 0.5 / max(np.linalg.norm(way), 1e-9))
+        self.place = before + way * min(1.0, 0.5 / max(float(np.linalg.norm(way)), 1e-9))
         self.velocity = 10.0 * (self.place - before)
 
 
