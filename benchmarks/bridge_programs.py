@@ -55,9 +55,9 @@ def rows(bench: Bench) -> Iterator[Row]:
     seconds = max(5.0, bench.amounts.slow / 5000)
     share = _Run(zenoh, "zenoh", "mavstack/*/frame/out", _of_frames, range(1, VEHICLES + 1), RATE, seconds)
     yield Row(
-        f"{VEHICLES} vehicles at {RATE} messages/s over Zenoh, a core's share",
-        {OURS: f"{share.share:.3f}, {share.lost} of {share.sent} lost"},
-        (Ratio(f"of {MAX_SHARE:g}", (MAX_SHARE / share.share,), 1.0),),
+        f"{VEHICLES} vehicles at {RATE} messages/s over Zenoh: a core's share, delay",
+        {OURS: f"{share.share:.3f}, {share.delays}"},
+        (Ratio(f"of {MAX_SHARE:g}", (MAX_SHARE / share.share,), 1.0), *share.ratios),
     )
     for name, key, decode in (
         ("zenoh", "mavstack/*/frame/out", _of_frames),
@@ -66,11 +66,8 @@ def rows(bench: Bench) -> Iterator[Row]:
         run = _Run(zenoh, name, key, decode, (1,), DELAY_RATE, seconds)
         yield Row(
             f"delay through mav bridge {name}: median, 99th percentile",
-            {OURS: f"{run.median:.2f}, {run.tail:.2f} ms, {run.lost} of {run.sent} lost"},
-            (
-                Ratio(f"of {MAX_MEDIAN:g} ms", (MAX_MEDIAN / run.median,), 1.0),
-                Ratio(f"of {MAX_TAIL:g} ms", (MAX_TAIL / run.tail,), 1.0),
-            ),
+            {OURS: run.delays},
+            run.ratios,
         )
 
 
@@ -115,6 +112,19 @@ class _Run:
         self.sent, self.lost = len(times), len(times) - len(delays)
         self.median = statistics.median(delays)
         self.tail = statistics.quantiles(delays, n=100)[98]
+
+    @property
+    def delays(self) -> str:
+        """The median and the 99th percentile, and the number of lost messages."""
+        return f"{self.median:.2f}, {self.tail:.2f} ms, {self.lost} of {self.sent} lost"
+
+    @property
+    def ratios(self) -> tuple[Ratio, Ratio]:
+        """The limits of the delays, over the delays."""
+        return (
+            Ratio(f"of {MAX_MEDIAN:g} ms", (MAX_MEDIAN / self.median,), 1.0),
+            Ratio(f"of {MAX_TAIL:g} ms", (MAX_TAIL / self.tail,), 1.0),
+        )
 
     def _arrived(self, sample: Any) -> None:  # noqa: ANN401 (it has no base class)
         now = time.perf_counter()
