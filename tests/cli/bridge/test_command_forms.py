@@ -47,7 +47,7 @@ FORMS = {
 @pytest.mark.interop
 @pytest.mark.parametrize("end", ["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("form", FORMS)
-def test_a_bridge_says_that_it_is_ready_and_ends(form: str, end: str, tmp_path: Path) -> None:
+def test_a_bridge_is_ready_and_ends(form: str, end: str, tmp_path: Path) -> None:
     module, ready = FORMS[form]
     if module:
         pytest.importorskip(module)
@@ -62,8 +62,9 @@ def test_a_bridge_says_that_it_is_ready_and_ends(form: str, end: str, tmp_path: 
         simulator = stack.enter_context(BackgroundSimulator())
         bus, *words = form.format(**places).split()
         command = [sys.executable, "-m", "mavstack", "bridge", bus, simulator.url, *words]
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        process = stack.enter_context(subprocess.Popen(command, **pipes, text=True))
+        process = stack.enter_context(
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        )
         stack.callback(process.kill)
         assert process.stdout is not None
         assert process.stdout.readline() == ready.format(**places) + "\n"
