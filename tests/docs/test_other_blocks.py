@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import mavstack
-from mavstack.cli.registry import COMMANDS, command_parser, load_command
+from mavstack.cli.registry import COMMANDS, command_parser
 from mavstack.cli.shell.registry import COMMANDS as SHELL_COMMANDS
 from mavstack.dialects import common
 from mavstack.files.plans import PlanFile, write_plan
@@ -121,7 +121,7 @@ def test_the_decoder_of_the_guide_reads_its_frame(tmp_path, capsys):
     (tmp_path / "bench.json").write_text(block.text, "utf-8")
     name, *words = words_of(line.replace("bench.json", str(tmp_path / "bench.json")))
     arguments = command_parser(name).parse_args(words)
-    assert load_command(name).run(arguments) == 0
+    assert arguments.run_action(arguments) == 0
     assert capsys.readouterr().out.strip() == line.partition("# ")[2]
 
 

@@ -15,7 +15,7 @@ from mavstack import __version__
 from mavstack.cli.common.errors import UsageError, failure_text
 from mavstack.cli.common.log_output import logging_to_outputs, warnings_as_lines
 from mavstack.cli.common.output import echo, echo_text
-from mavstack.cli.registry import COMMANDS, command_parser, load_command
+from mavstack.cli.registry import COMMANDS, command_parser
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 
 if TYPE_CHECKING:
@@ -95,7 +95,8 @@ def _run(name: str, words: Sequence[str]) -> int:
     except SystemExit as leaving:  # argparse has printed its help or the error
         return leaving.code if isinstance(leaving.code, int) else 0
     with logging_to_outputs(arguments, quiet=not COMMANDS[name].logs), warnings_as_lines(f"mav {name}"):
-        return load_command(name).run(arguments)
+        code: int = arguments.run_action(arguments)
+        return code
 
 
 def _help_text() -> str:

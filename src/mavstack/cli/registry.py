@@ -1,6 +1,7 @@
 """The commands of `mav`: where each is defined, and its argument parser.
 
-A command is a module with `EXAMPLES`, `add_arguments(parser)` and `run(arguments) -> int`. It is imported
+A command is a module with `EXAMPLES` and `add_arguments(parser)`, which sets the default `run_action` of the
+arguments: the function that runs the command, or its chosen action, and returns the exit code. It is imported
 when it is needed, so that `mav --help` loads none of them.
 """
 
@@ -18,7 +19,6 @@ from mavstack.cli.common.log_output import add_logging_options
 from mavstack.cli.common.output import terminal_width
 
 if TYPE_CHECKING:
-    from argparse import Namespace
     from collections.abc import Mapping
 
 
@@ -41,15 +41,12 @@ class CommandEntry(NamedTuple):
 
 
 class CommandModule(Protocol):
-    """The functions and examples that the module of a command has."""
+    """The function and examples that the module of a command has."""
 
     EXAMPLES: str
 
     def add_arguments(self, parser: ArgumentParser) -> None:
-        """Declare the arguments that follow the name of the command."""
-
-    def run(self, arguments: Namespace) -> int:
-        """Run the command and return its exit code."""
+        """Declare the arguments that follow the name of the command, and the function that runs it."""
 
 
 def _entry(name: str, summary: str, **options: bool) -> tuple[str, CommandEntry]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.registry import command_parser, load_command
+from mavstack.cli.registry import command_parser
 from mavstack.errors import InvalidArgumentError
 from mavstack.server.rows.framing import MAX_DATAGRAM
 from tests.server.rows.test_source import DECODER, FRAME
@@ -25,7 +25,8 @@ def decoder(tmp_path: Path) -> str:
 
 
 def run(*words: str) -> int:
-    return load_command("data").run(command_parser("data").parse_args(["decode", *words]))
+    arguments = command_parser("data").parse_args(["decode", *words])
+    return int(arguments.run_action(arguments))
 
 
 def test_a_decoder_is_checked_alone(decoder: str, capsys: pytest.CaptureFixture[str]) -> None:

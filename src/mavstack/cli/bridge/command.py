@@ -90,12 +90,6 @@ def _add_bridge(actions: Actions, name: str, entry: BridgeEntry) -> None:
     add_link_options(parser.add_argument_group("links"))
 
 
-def run(arguments: Namespace) -> int:
-    """Run `mav bridge`."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def _serve(arguments: Namespace) -> int:
     entry = BRIDGES.get(arguments.bridge)
     arguments.role = Role.from_word(arguments.role) if arguments.allow_control else Role.OBSERVE

@@ -9,7 +9,7 @@ from mavstack.cli.camera.selection import add_camera_option, known_cameras, sele
 from mavstack.cli.camera.settings import settings
 from mavstack.cli.camera.show import show_image, show_information
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds
 from mavstack.cli.common.output import echo, echo_json, echo_question
@@ -87,55 +87,39 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add(actions, "reset", "reset the settings of the camera", reset, changes=True)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def info(arguments: Namespace) -> int:
+@on_vehicle
+async def info(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav camera info`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        camera = await selected_camera(vehicle, arguments)
-        await show_information(camera, as_json=arguments.json)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    camera = await selected_camera(vehicle, arguments)
+    await show_information(camera, as_json=arguments.json)
+    return 0
 
 
-def list_cameras(arguments: Namespace) -> int:
+@on_vehicle
+async def list_cameras(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav camera list`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        cameras = await known_cameras(vehicle)
-        rows = [
-            {"id": each.device_id or each.address.component, "attached": bool(each.device_id)}
-            for each in cameras
-        ]
-        if arguments.json:
-            echo_json(rows)
-        elif rows:
-            attached = " (attached to the autopilot)"
-            echo(*(f"camera {row['id']}{attached if row['attached'] else ''}" for row in rows))
-        else:
-            echo("there are no cameras", error=True)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    cameras = await known_cameras(vehicle)
+    rows = [
+        {"id": each.device_id or each.address.component, "attached": bool(each.device_id)} for each in cameras
+    ]
+    if arguments.json:
+        echo_json(rows)
+    elif rows:
+        attached = " (attached to the autopilot)"
+        echo(*(f"camera {row['id']}{attached if row['attached'] else ''}" for row in rows))
+    else:
+        echo("there are no cameras", error=True)
+    return 0
 
 
-def photo(arguments: Namespace) -> int:
+@on_vehicle
+async def photo(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav camera photo`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        camera = await selected_camera(vehicle, arguments)
-        if arguments.count == 1:
-            show_image(await camera.take_photo(), as_json=arguments.json)
-            return 0
-        return await _series(camera, arguments)
-
-    return run_on_vehicle(arguments, work)
+    camera = await selected_camera(vehicle, arguments)
+    if arguments.count == 1:
+        show_image(await camera.take_photo(), as_json=arguments.json)
+        return 0
+    return await _series(camera, arguments)
 
 
 def stop(arguments: Namespace) -> int:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from argparse import RawDescriptionHelpFormatter, _SubParsersAction
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable
+
+    RunAction: TypeAlias = Callable[[Namespace], int]
 
 
 class _WordsAction(_SubParsersAction):  # type: ignore[type-arg] # not generic at run time
@@ -21,17 +24,30 @@ class _WordsAction(_SubParsersAction):  # type: ignore[type-arg] # not generic a
 
 
 class Actions:
-    """The actions of one command; `run_action` of the parsed arguments runs the chosen one."""
+    """The actions of one command; `run_action` of the parsed arguments runs the chosen one.
 
-    def __init__(self, parser: ArgumentParser, command: str, examples: str) -> None:
-        self._command = command
+    Args:
+        parser: The parser of the command.
+        command: The name of the command.
+        examples: The examples of all actions.
+        around: Runs an action within the steps that all actions of the command share; None: there are none.
+    """
+
+    def __init__(
+        self,
+        parser: ArgumentParser,
+        command: str,
+        examples: str,
+        around: Callable[[RunAction, Namespace], int] | None = None,
+    ) -> None:
+        self._command, self._around = command, around
         self._examples = examples.splitlines()
 
         self._actions = parser.add_subparsers(
             action=_WordsAction, dest="action", required=True, metavar="ACTION"
         )
 
-    def add(self, name: str, summary: str, run: Callable[[Namespace], int]) -> ArgumentParser:
+    def add(self, name: str, summary: str, run: RunAction) -> ArgumentParser:
         """Add an action; its help page shows those of the command's examples that call it."""
         own = [line for line in self._examples if f"mav {self._command} {name}" in line]
         parser = self._actions.add_parser(
@@ -42,6 +58,6 @@ class Actions:
             formatter_class=RawDescriptionHelpFormatter,
             allow_abbrev=False,
         )
-        parser.set_defaults(run_action=run, command=self._command)
-
+        run_action = run if self._around is None else partial(self._around, run)
+        parser.set_defaults(run_action=run_action, command=self._command)
         return parser

@@ -11,6 +11,7 @@ hands its work over instead of connecting.
 from __future__ import annotations
 
 import os
+from functools import wraps
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.ending_signals import run_until_signal
@@ -126,6 +127,16 @@ def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int
         return code
 
     return run_on_connection(arguments, connected)
+
+
+def on_vehicle(work: Callable[[Vehicle, Namespace], Awaitable[int]]) -> Callable[[Namespace], int]:
+    """Return the function of an action that does work on the selected vehicles (`run_on_vehicle`)."""
+
+    @wraps(work)
+    def run(arguments: Namespace) -> int:
+        return run_on_vehicle(arguments, lambda vehicle: work(vehicle, arguments))
+
+    return run
 
 
 async def _run_on_each(group: Group, arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:

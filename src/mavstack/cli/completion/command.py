@@ -35,6 +35,7 @@ SHELLS: Final[Mapping[str, Callable[[Sequence[CommandWords]], str]]] = MappingPr
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument("shell", choices=tuple(SHELLS), help="the shell that runs the script")
 
 

@@ -10,6 +10,7 @@ from mavstack.cli.data.remote import LocalCopies
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable
 
 EXAMPLES: Final = """\
 examples:
@@ -49,13 +50,11 @@ examples:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
-    actions = Actions(parser, "data", EXAMPLES)
+    actions = Actions(parser, "data", EXAMPLES, _with_copies)
     for module in (info, convert, query, report, files, decode):
         module.add_actions(actions)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
+def _with_copies(run: Callable[[Namespace], int], arguments: Namespace) -> int:
     with LocalCopies() as arguments.copies:
-        code: int = arguments.run_action(arguments)
-    return code
+        return run(arguments)

@@ -42,6 +42,7 @@ _SWARM_DURATION: Final = 330.0
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after this simulated time")
     add("--speed", type=seconds, default=1.0, metavar="N", help="simulated seconds per second (default: 1)")

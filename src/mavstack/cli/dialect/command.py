@@ -81,12 +81,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def _list(arguments: Namespace) -> int:
     from mavstack.cli.dialect.pages import dialect_facts, dialects_page
     from mavstack.dialects import Dialect

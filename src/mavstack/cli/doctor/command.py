@@ -19,6 +19,7 @@ that installs it.
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 

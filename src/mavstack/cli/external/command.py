@@ -49,6 +49,7 @@ _PARTS: Final = frozenset({"position", "yaw"})
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument(
         "kind", choices=(*KINDS, _CHECK), metavar="KIND",
         help=f"the measurements: {', '.join(KINDS)}; or check: why the estimator uses no estimates",

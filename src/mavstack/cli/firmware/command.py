@@ -63,12 +63,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def info(arguments: Namespace) -> int:
     """Run `mav firmware info`."""
     if (arguments.file is None) == (arguments.port is None):

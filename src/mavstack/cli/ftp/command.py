@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError, failure_text
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle
@@ -88,49 +88,37 @@ def _add_recursive(parser: ArgumentParser, text: str) -> None:
     add_timeout_option(parser)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def list_files(arguments: Namespace) -> int:
+@on_vehicle
+async def list_files(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav ftp ls`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        path = arguments.path
-        found = await (find if is_pattern(path) else _entries)(LimitedFtp(vehicle, arguments), path)
-        found.sort(key=lambda each: (not each.entry.is_directory, each.path))
-        if is_pattern(path) and not found:
-            raise CommandError(f"no file on the vehicle matches {path}")
-        _show(found, full_path=is_pattern(path), as_json=arguments.json)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    path = arguments.path
+    found = await (find if is_pattern(path) else _entries)(LimitedFtp(vehicle, arguments), path)
+    found.sort(key=lambda each: (not each.entry.is_directory, each.path))
+    if is_pattern(path) and not found:
+        raise CommandError(f"no file on the vehicle matches {path}")
+    _show(found, full_path=is_pattern(path), as_json=arguments.json)
+    return 0
 
 
-def get(arguments: Namespace) -> int:
+@on_vehicle
+async def get(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav ftp get`; a file that fails does not stop the others."""
-
-    async def work(vehicle: Vehicle) -> int:
-        ftp = LimitedFtp(vehicle, arguments)
-        jobs = await _downloads(ftp, arguments)
-        failed = False
-        for number, (found, target) in enumerate(jobs, 1):
-            name = found.path if len(jobs) == 1 else f"{found.path} ({number} of {len(jobs)})"
-            try:
-                size = await _download(ftp, found, target, name)
-            except RemoteTimeout:
-                raise
-            except (MavstackError, OSError) as error:
-                failed = True
-                echo(f"mav ftp: {failure_text(error)}", error=True)
-            else:
-                text = f"{found.path} -> {target} ({size_text(size)})"
-                _report(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
-        return 1 if failed else 0
-
-    return run_on_vehicle(arguments, work)
+    ftp = LimitedFtp(vehicle, arguments)
+    jobs = await _downloads(ftp, arguments)
+    failed = False
+    for number, (found, target) in enumerate(jobs, 1):
+        name = found.path if len(jobs) == 1 else f"{found.path} ({number} of {len(jobs)})"
+        try:
+            size = await _download(ftp, found, target, name)
+        except RemoteTimeout:
+            raise
+        except (MavstackError, OSError) as error:
+            failed = True
+            echo(f"mav ftp: {failure_text(error)}", error=True)
+        else:
+            text = f"{found.path} -> {target} ({size_text(size)})"
+            _report(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
+    return 1 if failed else 0
 
 
 def put(arguments: Namespace) -> int:
@@ -169,41 +157,32 @@ def remove(arguments: Namespace) -> int:
     return run_on_vehicle(arguments, work)
 
 
-def make_directories(arguments: Namespace) -> int:
+@on_vehicle
+async def make_directories(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav ftp mkdir`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        for path in arguments.paths:
-            await vehicle.ftp.make_directory(path.rstrip("/") or "/")
-            _report_change(arguments, vehicle, {"made": path}, f"{path} made")
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    for path in arguments.paths:
+        await vehicle.ftp.make_directory(path.rstrip("/") or "/")
+        _report_change(arguments, vehicle, {"made": path}, f"{path} made")
+    return 0
 
 
-def rename(arguments: Namespace) -> int:
+@on_vehicle
+async def rename(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav ftp rename`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        await vehicle.ftp.rename(arguments.path, arguments.to)
-        facts = {"from": arguments.path, "to": arguments.to}
-        _report_change(arguments, vehicle, facts, f"{arguments.path} -> {arguments.to}")
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    await vehicle.ftp.rename(arguments.path, arguments.to)
+    facts = {"from": arguments.path, "to": arguments.to}
+    _report_change(arguments, vehicle, facts, f"{arguments.path} -> {arguments.to}")
+    return 0
 
 
-def checksum(arguments: Namespace) -> int:
+@on_vehicle
+async def checksum(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav ftp crc`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        ftp = LimitedFtp(vehicle, arguments)
-        for path in arguments.paths:
-            crc = await ftp.checksum(path)
-            _report(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    ftp = LimitedFtp(vehicle, arguments)
+    for path in arguments.paths:
+        crc = await ftp.checksum(path)
+        _report(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
+    return 0
 
 
 async def _entries(ftp: LimitedFtp, path: str) -> list[RemotePath]:

@@ -30,6 +30,7 @@ examples:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument("language", metavar="LANGUAGE", nargs="?", help="language of the library")
     parser.add_argument(
         "dialect", metavar="DIALECT|FILE.xml", nargs="?", help="official dialect or definition file"

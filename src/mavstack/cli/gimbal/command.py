@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.camera.selection import payload_id
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
@@ -79,28 +79,19 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add(actions, "release", "give up control of the gimbal", release, changes=True)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def info(arguments: Namespace) -> int:
+@on_vehicle
+async def info(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav gimbal info`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        found = [await _selected(vehicle, arguments)] if arguments.gimbal else await _all_gimbals(vehicle)
-        reports = []
-        for gimbal in found:
-            information = gimbal.information or await gimbal.get_information()
-            reports.append((gimbal, information, await _status(gimbal), await _attitude(gimbal)))
-        if arguments.json:
-            echo_json([_json(*report) for report in reports])
-        for report in [] if arguments.json else reports:
-            echo(*align_columns(_rows(*report)))
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    found = [await _selected(vehicle, arguments)] if arguments.gimbal else await _all_gimbals(vehicle)
+    reports = []
+    for gimbal in found:
+        information = gimbal.information or await gimbal.get_information()
+        reports.append((gimbal, information, await _status(gimbal), await _attitude(gimbal)))
+    if arguments.json:
+        echo_json([_json(*report) for report in reports])
+    for report in [] if arguments.json else reports:
+        echo(*align_columns(_rows(*report)))
+    return 0
 
 
 def point(arguments: Namespace) -> int:
@@ -177,25 +168,22 @@ def follow(arguments: Namespace) -> int:
     return _move(arguments, do)
 
 
-def watch(arguments: Namespace) -> int:
+@on_vehicle
+async def watch(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav gimbal watch`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        gimbal = await _selected(vehicle, arguments)
-        loop = asyncio.get_running_loop()
-        end = None if arguments.duration is None else loop.time() + arguments.duration
-        while end is None or loop.time() < end:
-            attitude = await _attitude(gimbal)
-            if attitude is None:
-                raise CommandError("the gimbal does not report its attitude")
-            if arguments.json:
-                echo_json(asdict(attitude))
-            else:
-                echo(_angles(attitude), flush=True)
-            await asyncio.sleep(WATCH_INTERVAL)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    gimbal = await _selected(vehicle, arguments)
+    loop = asyncio.get_running_loop()
+    end = None if arguments.duration is None else loop.time() + arguments.duration
+    while end is None or loop.time() < end:
+        attitude = await _attitude(gimbal)
+        if attitude is None:
+            raise CommandError("the gimbal does not report its attitude")
+        if arguments.json:
+            echo_json(asdict(attitude))
+        else:
+            echo(_angles(attitude), flush=True)
+        await asyncio.sleep(WATCH_INTERVAL)
+    return 0
 
 
 def take(arguments: Namespace) -> int:
@@ -207,16 +195,13 @@ def take(arguments: Namespace) -> int:
     return _move(arguments, do)
 
 
-def release(arguments: Namespace) -> int:
+@on_vehicle
+async def release(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav gimbal release`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        gimbal = await _selected(vehicle, arguments)
-        await gimbal.release_control()
-        _report(vehicle, gimbal, "control released", arguments)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    gimbal = await _selected(vehicle, arguments)
+    await gimbal.release_control()
+    _report(vehicle, gimbal, "control released", arguments)
+    return 0
 
 
 def _move(arguments: Namespace, do: Callable[[Gimbal], Awaitable[str]]) -> int:

@@ -107,12 +107,6 @@ def _add_vehicle(parser: ArgumentParser, *, rotates: bool = False) -> None:
     add_link_options(parser.add_argument_group("links"), key=not rotates)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def new(arguments: Namespace) -> int:
     """Run `mav key new`."""
     if arguments.sealed:

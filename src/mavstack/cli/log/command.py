@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError, failure_text
 from mavstack.cli.common.output import align_columns, echo, echo_json, echo_question
 from mavstack.cli.common.selection import of_vehicle
@@ -73,51 +73,39 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_stream_action(actions)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def list_logs(arguments: Namespace) -> int:
+@on_vehicle
+async def list_logs(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav log list`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        logs = await vehicle.logs.list(timeout=arguments.action_timeout)
-        if arguments.json:
-            echo_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
-        elif logs:
-            rows = [(str(log.id), time_text(log), size_text(log.size)) for log in logs]
-            echo(*align_columns(rows, right=frozenset({0, 2})))
-        else:
-            echo("there are no logs", error=True)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    logs = await vehicle.logs.list(timeout=arguments.action_timeout)
+    if arguments.json:
+        echo_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
+    elif logs:
+        rows = [(str(log.id), time_text(log), size_text(log.size)) for log in logs]
+        echo(*align_columns(rows, right=frozenset({0, 2})))
+    else:
+        echo("there are no logs", error=True)
+    return 0
 
 
-def get(arguments: Namespace) -> int:
+@on_vehicle
+async def get(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav log get`; a log that fails does not stop the others."""
-
-    async def work(vehicle: Vehicle) -> int:
-        ftp = LimitedFtp(vehicle, arguments)
-        logs = await vehicle.logs.list(timeout=ftp.remaining_time())
-        chosen = _chosen(logs, arguments.which)
-        several = len(chosen) > 1 or ALL in arguments.which
-        files = {} if arguments.via == "log" else match_files(logs, await log_files(vehicle, ftp))
-        failed = False
-        for log in chosen:
-            try:
-                target = _target(log, log_location(vehicle).suffix, arguments.output, several=several)
-                await _download(vehicle, ftp, log, files.get(log.id), target, arguments)
-            except RemoteTimeout:
-                raise
-            except (MavstackError, OSError) as error:
-                failed = True
-                echo(f"mav log: {failure_text(error)}", error=True)
-        return 1 if failed else 0
-
-    return run_on_vehicle(arguments, work)
+    ftp = LimitedFtp(vehicle, arguments)
+    logs = await vehicle.logs.list(timeout=ftp.remaining_time())
+    chosen = _chosen(logs, arguments.which)
+    several = len(chosen) > 1 or ALL in arguments.which
+    files = {} if arguments.via == "log" else match_files(logs, await log_files(vehicle, ftp))
+    failed = False
+    for log in chosen:
+        try:
+            target = _target(log, log_location(vehicle).suffix, arguments.output, several=several)
+            await _download(vehicle, ftp, log, files.get(log.id), target, arguments)
+        except RemoteTimeout:
+            raise
+        except (MavstackError, OSError) as error:
+            failed = True
+            echo(f"mav log: {failure_text(error)}", error=True)
+    return 1 if failed else 0
 
 
 def erase(arguments: Namespace) -> int:

@@ -33,6 +33,7 @@ from mavstack.maps.tiles import read_zooms
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable
     from contextlib import AbstractContextManager
 
     from mavstack.maps import MapFacts
@@ -54,7 +55,7 @@ DEFAULT_ZOOM: Final = "10-16"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
-    actions = Actions(parser, "map", EXAMPLES)
+    actions = Actions(parser, "map", EXAMPLES, _checked)
     action = actions.add(
         "download", "download the tiles of an area into one file, and continue a download", download
     )
@@ -94,13 +95,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_common(action, has_json=False)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
+def _checked(run: Callable[[Namespace], int], arguments: Namespace) -> int:
     try:
-        code: int = arguments.run_action(arguments)
+        return run(arguments)
     except InvalidArgumentError as error:
         raise UsageError(str(error)) from None
-    return code
 
 
 def download(arguments: Namespace) -> int:

@@ -87,12 +87,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_planners(actions)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def _add_planners(actions: Actions) -> None:
     action = actions.add("survey", "cover an area or a corridor by tracks, as missions", _survey)
     action.add_argument("--json", action="store_true", help="print JSON")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.connection import on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.output import echo
 from mavstack.cli.common.selection import of_vehicle
@@ -118,21 +118,18 @@ def clear(arguments: Namespace) -> int:
     return run_on_vehicle(arguments, work)
 
 
-def start(arguments: Namespace) -> int:
+@on_vehicle
+async def start(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav mission start`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        if arguments.wait:
-            await _require_mission(vehicle)
-            with notice_of_interruption(vehicle, "mission", _prefix(arguments)):
-                await vehicle.mission.fly()
-            echo(of_vehicle(vehicle, "mission: complete"))
-        else:
-            await start_mission(vehicle)
-            echo(of_vehicle(vehicle, "mission: started"))
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    if arguments.wait:
+        await _require_mission(vehicle)
+        with notice_of_interruption(vehicle, "mission", _prefix(arguments)):
+            await vehicle.mission.fly()
+        echo(of_vehicle(vehicle, "mission: complete"))
+    else:
+        await start_mission(vehicle)
+        echo(of_vehicle(vehicle, "mission: started"))
+    return 0
 
 
 def _prefix(arguments: Namespace) -> str:

@@ -93,12 +93,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def _add(actions: Actions, name: str, summary: str, work: Callable[[Namespace], int]) -> ArgumentParser:
     parser = actions.add(name, summary, work)
     add_connection(parser)

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, failure_text
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
@@ -116,41 +116,29 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("--for", dest="duration", type=seconds, metavar="SECONDS", help="end after this time")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def list_all(arguments: Namespace) -> int:
+@on_vehicle
+async def list_all(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav param list`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        found = matching(arguments.patterns, await download_parameters(vehicle, arguments))
-        show(vehicle, [found[name] for name in sorted(found)], arguments)
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    found = matching(arguments.patterns, await download_parameters(vehicle, arguments))
+    show(vehicle, [found[name] for name in sorted(found)], arguments)
+    return 0
 
 
-def get(arguments: Namespace) -> int:
+@on_vehicle
+async def get(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav param get`; a parameter that cannot be read does not stop the others."""
-
-    async def work(vehicle: Vehicle) -> int:
-        found: list[Parameter] = []
-        failures: list[RemoteError] = []
-        for name in arguments.names:
-            try:
-                found.append(await vehicle.params.get(name.upper()))
-            except RemoteError as error:
-                failures.append(error)
-        if found and arguments.describe:
-            await _describe(vehicle, found, arguments)
-        elif found:
-            show(vehicle, found, arguments)
-        return _report_failures(vehicle, failures)
-
-    return run_on_vehicle(arguments, work)
+    found: list[Parameter] = []
+    failures: list[RemoteError] = []
+    for name in arguments.names:
+        try:
+            found.append(await vehicle.params.get(name.upper()))
+        except RemoteError as error:
+            failures.append(error)
+    if found and arguments.describe:
+        await _describe(vehicle, found, arguments)
+    elif found:
+        show(vehicle, found, arguments)
+    return _report_failures(vehicle, failures)
 
 
 def set_values(arguments: Namespace) -> int:

@@ -81,12 +81,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_simulation_options(action)
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def show(arguments: Namespace) -> int:
     """Run `mav radio show`."""
     return run_until_signal(_show(arguments))

@@ -36,6 +36,7 @@ _WORDS: Final[Mapping[str, Interval]] = {"default": DEFAULT, "off": OFF, "0": OF
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument("message", metavar="MESSAGE", help="names, patterns (GPS*) or ids, with commas")
     parser.add_argument(
         "rate", nargs="?", metavar="HZ", help="rate in hertz, off or default; without it the rate is shown"

@@ -39,6 +39,7 @@ which carries a signing key, is left out. Ctrl-C ends the recording.
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add("sources", nargs="+", metavar="URL", help="link to record; several are recorded into one file")
     add("record", metavar="FILE", help="new tlog or .pcap; - for standard output")

@@ -57,12 +57,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def _add_serve(actions: Actions) -> None:
     from mavstack.relay.rooms import Limits
 

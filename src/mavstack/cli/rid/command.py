@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.connection import add_vehicle_action, on_vehicle, run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo, echo_json
@@ -51,27 +51,18 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("--for", dest="duration", type=seconds, metavar="SECONDS", help="end after this time")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def status(arguments: Namespace) -> int:
+@on_vehicle
+async def status(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav rid status`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        connection = vehicle.connection
-        monitor = connection.serve(RemoteIdMonitor(connection.address, vehicle.system))
-        await asyncio.sleep(arguments.duration)
-        found = monitor.status(connection.now())
-        if arguments.json:
-            echo_json({"system": vehicle.system} | asdict(found))
-        else:
-            echo(*_lines(found))
-        return 0 if found.may_arm else 1
-
-    return run_on_vehicle(arguments, work)
+    connection = vehicle.connection
+    monitor = connection.serve(RemoteIdMonitor(connection.address, vehicle.system))
+    await asyncio.sleep(arguments.duration)
+    found = monitor.status(connection.now())
+    if arguments.json:
+        echo_json({"system": vehicle.system} | asdict(found))
+    else:
+        echo(*_lines(found))
+    return 0 if found.may_arm else 1
 
 
 def send(arguments: Namespace) -> int:

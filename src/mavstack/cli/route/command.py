@@ -53,6 +53,7 @@ pause NAME, resume NAME, reload
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add(
         "words",

@@ -41,6 +41,7 @@ _INTERVAL: Final = 0.5
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument(
         "source", metavar="SOURCE", help="URL of a caster (ntrip://, ntrips://), or of the link to a base"
     )

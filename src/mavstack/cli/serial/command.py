@@ -41,6 +41,7 @@ _MIN_RATE, _MAX_RATE = 0.1, 20.0
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument(
         "--device", choices=port_names(), metavar="NAME", help=f"the port: {', '.join(port_names())}"

@@ -49,6 +49,7 @@ A script has one command per line, or several separated by `;`; # begins a comme
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add(
         "url",

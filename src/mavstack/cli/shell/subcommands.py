@@ -24,8 +24,7 @@ async def run_subcommand(session: Session, name: str, words: Sequence[str]) -> N
         MavstackError: The command failed.
     """
     parser = SessionParser(prog=name, formatter_class=RawDescriptionHelpFormatter, allow_abbrev=False)
-    module = load_command(name)
-    module.add_arguments(parser)
+    load_command(name).add_arguments(parser)
     work: list[Callable[[Vehicle], Awaitable[int]]] = []
     defaults: dict[str, Any] = {"session_work": work.append, "ask": session.ask}
     parser.set_defaults(**defaults)
@@ -33,7 +32,7 @@ async def run_subcommand(session: Session, name: str, words: Sequence[str]) -> N
         arguments = parser.parse_args(list(words))
     except SystemExit:  # argparse has printed its help
         return
-    code = module.run(arguments)
+    code = arguments.run_action(arguments)
     for each in work:
         code = code or await each(session.vehicle)
     if code:

@@ -81,6 +81,7 @@ DEFAULT_OUT: Final = ("udpout://127.0.0.1:14550", "udpout://127.0.0.1:14540")
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     names, firmwares = ", ".join(VehicleType), ", ".join((*Firmware, *ControllerFirmware))
     add = parser.add_argument
     add("--type", default="copter", metavar="TYPE", help=f"{names}; several in turn: copter,plane")

@@ -149,12 +149,6 @@ def _add_world(action: ArgumentParser, physics: str | None) -> None:
     add("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def show(arguments: Namespace) -> int:
     """Run `mav simulator list`."""
     if arguments.json:

@@ -172,12 +172,6 @@ def _add_formation(action: ArgumentParser, default: str | None = None) -> None:
     add("--text", default="", metavar="TEXT", help="the text of the shape text")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def show(arguments: Namespace) -> int:
     """Run `mav swarm list`."""
     if arguments.json:

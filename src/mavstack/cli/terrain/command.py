@@ -57,12 +57,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("--wait", action="store_true", help="wait until the vehicle has it")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
 def serve(arguments: Namespace) -> int:
     """Run `mav terrain serve`."""
     heights, described = _heights(arguments)

@@ -36,6 +36,7 @@ _MAX_COUNT: Final = 500
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     parser.add_argument("source", metavar="SOURCE", help="sbs://, beast:// or gdl90://HOST:PORT")
     parser.add_argument(
         "--count", type=int, default=DEFAULT_COUNT, metavar="N",

@@ -22,7 +22,7 @@ from mavstack.cli.vehicle.flight_progress import (
     distance_to_place,
     height_above_home,
 )
-from mavstack.cli.vehicle.outcomes import run_on_vehicles
+from mavstack.cli.vehicle.outcomes import on_vehicles, run_on_vehicles
 from mavstack.cli.vehicle.show import health, info, modes
 from mavstack.dialects import common
 
@@ -168,35 +168,23 @@ def _add_orbit(actions: Actions) -> None:
     action.add_argument("--speed", type=finite_number, metavar="M/S", help="speed on the circle")
 
 
-def run(arguments: Namespace) -> int:
-    """Run the chosen action."""
-    code: int = arguments.run_action(arguments)
-    return code
-
-
-def arm(arguments: Namespace) -> int:
+@on_vehicles
+async def arm(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle arm`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.arm(
-            force=arguments.force,
-            allow_flight=arguments.allow_flight,
-            keep_mode=arguments.keep_mode,
-            timeout=arguments.action_timeout,
-        )
-        return "armed"
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.arm(
+        force=arguments.force,
+        allow_flight=arguments.allow_flight,
+        keep_mode=arguments.keep_mode,
+        timeout=arguments.action_timeout,
+    )
+    return "armed"
 
 
-def disarm(arguments: Namespace) -> int:
+@on_vehicles
+async def disarm(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle disarm`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.disarm(force=arguments.force, timeout=arguments.action_timeout)
-        return "disarmed"
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.disarm(force=arguments.force, timeout=arguments.action_timeout)
+    return "disarmed"
 
 
 def takeoff(arguments: Namespace) -> int:
@@ -234,14 +222,11 @@ def rtl(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work, distance_to_home)
 
 
-def hold(arguments: Namespace) -> int:
+@on_vehicles
+async def hold(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle hold`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.hold(timeout=arguments.action_timeout)
-        return "holding"
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.hold(timeout=arguments.action_timeout)
+    return "holding"
 
 
 def goto(arguments: Namespace) -> int:
@@ -268,36 +253,27 @@ def orbit(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work, distance_to_place(*place[:2]))
 
 
-def mode(arguments: Namespace) -> int:
+@on_vehicles
+async def mode(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle mode`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        name = arguments.mode
-        await vehicle.set_mode(int(name) if name.isdecimal() else name, timeout=arguments.action_timeout)
-        return f"mode {vehicle.mode or name}"
-
-    return run_on_vehicles(arguments, work)
+    name = arguments.mode
+    await vehicle.set_mode(int(name) if name.isdecimal() else name, timeout=arguments.action_timeout)
+    return f"mode {vehicle.mode or name}"
 
 
-def speed(arguments: Namespace) -> int:
+@on_vehicles
+async def speed(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle speed`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.set_speed(arguments.speed, timeout=arguments.action_timeout)
-        return f"speed set to {arguments.speed:g} m/s"
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.set_speed(arguments.speed, timeout=arguments.action_timeout)
+    return f"speed set to {arguments.speed:g} m/s"
 
 
-def yaw(arguments: Namespace) -> int:
+@on_vehicles
+async def yaw(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle yaw`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.set_yaw(arguments.heading, **_wait_options(arguments))
-        heading = f"{arguments.heading % 360:g}°"
-        return _outcome(arguments, f"heading {heading}", f"turning to {heading}")
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.set_yaw(arguments.heading, **_wait_options(arguments))
+    heading = f"{arguments.heading % 360:g}°"
+    return _outcome(arguments, f"heading {heading}", f"turning to {heading}")
 
 
 def home(arguments: Namespace) -> int:
@@ -320,25 +296,19 @@ def home(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work)
 
 
-def reboot(arguments: Namespace) -> int:
+@on_vehicles
+async def reboot(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle reboot`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.reboot(**_wait_options(arguments))
-        return _outcome(arguments, "rebooted", "rebooting")
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.reboot(**_wait_options(arguments))
+    return _outcome(arguments, "rebooted", "rebooting")
 
 
-def renumber(arguments: Namespace) -> int:
+@on_vehicles
+async def renumber(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle renumber`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        done = await vehicle.renumber(arguments.id, timeout=arguments.action_timeout)
-        after = ", rebooted" if done.rebooted else ""
-        return f"has system id {done.system} now ({done.parameter}{after})"
-
-    return run_on_vehicles(arguments, work)
+    done = await vehicle.renumber(arguments.id, timeout=arguments.action_timeout)
+    after = ", rebooted" if done.rebooted else ""
+    return f"has system id {done.system} now ({done.parameter}{after})"
 
 
 def statustext(arguments: Namespace) -> int:

@@ -8,7 +8,7 @@ from mavstack.cli.common.confirmation import add_yes_option, is_confirmed
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number
 from mavstack.cli.vehicle.arguments import add_flight, add_timed
-from mavstack.cli.vehicle.outcomes import run_on_vehicles
+from mavstack.cli.vehicle.outcomes import on_vehicles, run_on_vehicles
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -79,37 +79,28 @@ def _add_payload(actions: Actions) -> None:
     )
 
 
-def servo(arguments: Namespace) -> int:
+@on_vehicles
+async def servo(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle servo`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        timeout = arguments.action_timeout
-        await vehicle.actuators.set_servo(arguments.number, arguments.pulse, timeout=timeout)
-        return f"servo {arguments.number} at {arguments.pulse} µs"
-
-    return run_on_vehicles(arguments, work)
+    timeout = arguments.action_timeout
+    await vehicle.actuators.set_servo(arguments.number, arguments.pulse, timeout=timeout)
+    return f"servo {arguments.number} at {arguments.pulse} µs"
 
 
-def relay(arguments: Namespace) -> int:
+@on_vehicles
+async def relay(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle relay`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        on = arguments.state == "on"
-        await vehicle.actuators.set_relay(arguments.number, on, timeout=arguments.action_timeout)
-        return f"relay {arguments.number} {arguments.state}"
-
-    return run_on_vehicles(arguments, work)
+    on = arguments.state == "on"
+    await vehicle.actuators.set_relay(arguments.number, on, timeout=arguments.action_timeout)
+    return f"relay {arguments.number} {arguments.state}"
 
 
-def actuator(arguments: Namespace) -> int:
+@on_vehicles
+async def actuator(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle actuator`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        timeout = arguments.action_timeout
-        await vehicle.actuators.set_actuator(arguments.number, arguments.value, timeout=timeout)
-        return f"actuator {arguments.number} at {arguments.value:g}"
-
-    return run_on_vehicles(arguments, work)
+    timeout = arguments.action_timeout
+    await vehicle.actuators.set_actuator(arguments.number, arguments.value, timeout=timeout)
+    return f"actuator {arguments.number} at {arguments.value:g}"
 
 
 def motor_test(arguments: Namespace) -> int:
@@ -196,14 +187,11 @@ def transition(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work)
 
 
-def ekf_source(arguments: Namespace) -> int:
+@on_vehicles
+async def ekf_source(vehicle: Vehicle, arguments: Namespace) -> str:
     """Run `mav vehicle ekf-source`."""
-
-    async def work(vehicle: Vehicle) -> str:
-        await vehicle.set_ekf_source(arguments.number, timeout=arguments.action_timeout)
-        return f"estimator source set {arguments.number}"
-
-    return run_on_vehicles(arguments, work)
+    await vehicle.set_ekf_source(arguments.number, timeout=arguments.action_timeout)
+    return f"estimator source set {arguments.number}"
 
 
 def terminate(arguments: Namespace) -> int:

@@ -6,7 +6,7 @@ import asyncio
 from datetime import datetime
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.connection import on_vehicle
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import coloured, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
@@ -43,25 +43,22 @@ def add_actions(actions: Actions) -> None:
     )
 
 
-def show_events(arguments: Namespace) -> int:
+@on_vehicle
+async def show_events(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav vehicle events`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        hint = asyncio.get_running_loop().create_task(_hint_at_missing_events(vehicle))
-        severity = LogLevel[arguments.severity.upper()]
-        try:
-            async with vehicle.events(severity=severity) as events, asyncio.timeout(arguments.duration):
-                async for event in events:
-                    _show(vehicle, event, arguments)
-        except TimeoutError as error:
-            if isinstance(error, RemoteError):
-                raise
-            return 0
-        finally:
-            hint.cancel()
-        return 1  # the events ended because the connection was closed
-
-    return run_on_vehicle(arguments, work)
+    hint = asyncio.get_running_loop().create_task(_hint_at_missing_events(vehicle))
+    severity = LogLevel[arguments.severity.upper()]
+    try:
+        async with vehicle.events(severity=severity) as events, asyncio.timeout(arguments.duration):
+            async for event in events:
+                _show(vehicle, event, arguments)
+    except TimeoutError as error:
+        if isinstance(error, RemoteError):
+            raise
+        return 0
+    finally:
+        hint.cancel()
+    return 1  # the events ended because the connection was closed
 
 
 def _show(vehicle: Vehicle, event: DecodedEvent, arguments: Namespace) -> None:

@@ -7,6 +7,7 @@ each outcome is printed when it is known, and the exit code is 0 only if all suc
 from __future__ import annotations
 
 from contextlib import nullcontext
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.connection import run_on_connection
@@ -48,6 +49,16 @@ def run_on_vehicles(
         return 1 if outcomes.errors else 0
 
     return run_on_connection(arguments, run_selected)
+
+
+def on_vehicles(work: Callable[[Vehicle, Namespace], Awaitable[str]]) -> Callable[[Namespace], int]:
+    """Return the function of an action that does work on the selected vehicles (`run_on_vehicles`)."""
+
+    @wraps(work)
+    def run(arguments: Namespace) -> int:
+        return run_on_vehicles(arguments, lambda vehicle: work(vehicle, arguments))
+
+    return run
 
 
 def report(arguments: Namespace, vehicle: Vehicle, text: str, error: Exception | None = None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.connection import on_vehicle
 from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.vehicle.arguments import add_action, add_timed
@@ -42,59 +42,50 @@ def add_actions(actions: Actions) -> None:
     action.add_argument("--baud", type=int, metavar="N", help="rate in bits per second")
 
 
-def check(arguments: Namespace) -> int:
+@on_vehicle
+async def check(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav vehicle check`; the exit code is 1 if something is missing."""
-
-    async def work(vehicle: Vehicle) -> int:
-        items = await first_flight(vehicle)
-        if arguments.json:
-            echo_json({"system": vehicle.system, "items": [check_json(each) for each in items]})
-        else:
-            head = [f"vehicle {vehicle.system}:"] if selects_several(arguments) else []
-            echo(*head, *_check_lines(items))
-        return 1 if any(each.state == "missing" for each in items) else 0
-
-    return run_on_vehicle(arguments, work)
+    items = await first_flight(vehicle)
+    if arguments.json:
+        echo_json({"system": vehicle.system, "items": [check_json(each) for each in items]})
+    else:
+        head = [f"vehicle {vehicle.system}:"] if selects_several(arguments) else []
+        echo(*head, *_check_lines(items))
+    return 1 if any(each.state == "missing" for each in items) else 0
 
 
-def airframe(arguments: Namespace) -> int:
+@on_vehicle
+async def airframe(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav vehicle airframe`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        found = await get_airframe(vehicle)
-        if arguments.number is not None:
-            reset = not arguments.keep_parameters
-            change = plan_airframe(vehicle, arguments.number, arguments.kind, reset=reset)
-            if arguments.dry_run:
-                echo(of_vehicle(vehicle, f"{change}; nothing was sent"))
-                return 0
-            found = await set_airframe(vehicle, change)
-        if arguments.json:
-            echo_json({"system": vehicle.system, **airframe_json(found)})
+    found = await get_airframe(vehicle)
+    if arguments.number is not None:
+        reset = not arguments.keep_parameters
+        change = plan_airframe(vehicle, arguments.number, arguments.kind, reset=reset)
+        if arguments.dry_run:
+            echo(of_vehicle(vehicle, f"{change}; nothing was sent"))
             return 0
-        values = ", ".join(f"{name} {value}" for name, value in found.values.items())
-        echo(of_vehicle(vehicle, f"{found.name} ({values})"))
+        found = await set_airframe(vehicle, change)
+    if arguments.json:
+        echo_json({"system": vehicle.system, **airframe_json(found)})
         return 0
+    values = ", ".join(f"{name} {value}" for name, value in found.values.items())
+    echo(of_vehicle(vehicle, f"{found.name} ({values})"))
+    return 0
 
-    return run_on_vehicle(arguments, work)
 
-
-def ports(arguments: Namespace) -> int:
+@on_vehicle
+async def ports(vehicle: Vehicle, arguments: Namespace) -> int:
     """Run `mav vehicle ports`."""
-
-    async def work(vehicle: Vehicle) -> int:
-        if arguments.port is None:
-            found = await get_serial_ports(vehicle)
-        else:
-            name = arguments.port.upper()
-            found = (await set_serial_port(vehicle, name, arguments.protocol, arguments.baud),)
-        if arguments.json:
-            echo_json({"system": vehicle.system, "ports": [port_json(each) for each in found]})
-        else:
-            echo(*_port_lines(found, changed=arguments.port is not None))
-        return 0
-
-    return run_on_vehicle(arguments, work)
+    if arguments.port is None:
+        found = await get_serial_ports(vehicle)
+    else:
+        name = arguments.port.upper()
+        found = (await set_serial_port(vehicle, name, arguments.protocol, arguments.baud),)
+    if arguments.json:
+        echo_json({"system": vehicle.system, "ports": [port_json(each) for each in found]})
+    else:
+        echo(*_port_lines(found, changed=arguments.port is not None))
+    return 0
 
 
 def _check_lines(items: tuple[CheckItem, ...]) -> list[str]:

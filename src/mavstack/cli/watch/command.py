@@ -71,6 +71,7 @@ class Mode(Enum):
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add(
         "sources",

@@ -41,6 +41,7 @@ MAX_PORT: Final = 65535
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.set_defaults(run_action=run)
     add = parser.add_argument
     add(
         "urls", nargs="*", metavar="URL", help="source to open, such as udpin://0.0.0.0:14550; one or several"
