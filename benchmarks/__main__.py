@@ -34,6 +34,7 @@ from . import (
     simulation,
     swarms,
     ulog,
+    watching,
     workload,
 )
 from .measure import pinned
@@ -77,9 +78,10 @@ ON_ALL_CORES = ("tlog", "memory", "dataflash", "ulog", "exports")
 SIMULATION = "simulation"
 TELEMETRY = "telemetry"
 RECORDER = "recorder"
+WATCHING = "watching"
 BRIEF_TRANSFERS = "brief-transfers"
 TRANSFERS = "transfers"  # runs only on request: it takes an hour
-TABLES = (RECORDER, SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
+TABLES = (RECORDER, WATCHING, SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
 
 
 def main() -> None:
@@ -106,6 +108,8 @@ def main() -> None:
         _rows(options, selected_rows)
     if RECORDER in selected:
         recorder.main(turns=3 if options.quick else 5)
+    if WATCHING in selected:
+        watching.main(turns=1 if options.quick else 3)
     if SIMULATION in selected:
         simulation.main(["--seconds", "5", "--turns", "1"] if options.quick else [])
     if TELEMETRY in selected:

@@ -57,7 +57,7 @@ def _turn(
     scheme: str, send: Callable[[socket.socket, Sequence[bytes]], None], packets: Sequence[bytes]
 ) -> Result:
     """Record the packets once."""
-    port = _free_port()
+    port = free_port()
     with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
         path = Path(folder) / "flight.tlog"
         words = [sys.executable, "-m", "mavstack", "record", f"{scheme}://127.0.0.1:{port}", str(path)]
@@ -65,12 +65,12 @@ def _turn(
         try:
             with closing(_connected(scheme, port)) as sock:
                 time.sleep(_START_TIME)
-                before = _processor_time(recorder.pid)
+                before = processor_time(recorder.pid)
                 started = time.monotonic()
                 send(sock, packets)
                 elapsed = time.monotonic() - started
                 time.sleep(0.3)
-                share = (_processor_time(recorder.pid) - before) / elapsed
+                share = (processor_time(recorder.pid) - before) / elapsed
         finally:
             recorder.send_signal(signal.SIGINT)
             recorder.wait(10)
@@ -116,13 +116,13 @@ def _stream(sock: socket.socket, packets: Sequence[bytes]) -> None:
     _paced(packets, lambda burst: sock.sendall(b"".join(burst)))
 
 
-def _processor_time(process: int) -> float:
+def processor_time(process: int) -> float:
     """Return the processor time of a process in seconds."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def _free_port() -> int:
+def free_port() -> int:
     with closing(socket.socket()) as sock:
         sock.bind(("127.0.0.1", 0))
         port: int = sock.getsockname()[1]
