@@ -1,4 +1,4 @@
-"""`mav watch` of 100 vehicles, each with 100 messages a second: the share of a core that its live display takes."""
+"""`mav watch` of 100 vehicles, each with 100 messages a second: the share of a core of its live display."""
 
 from __future__ import annotations
 
