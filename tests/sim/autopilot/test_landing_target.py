@@ -182,8 +182,6 @@ def test_ardupilot_reports_the_loss():
 def test_px4_searches_and_then_lands_where_it_is():
     harness = flying("px4", PLD_SRCH_ALT=25.0)
     camera, heights = Camera(harness, "local"), []
-    autopilot = harness.vehicle.autopilot
-    autopilot.home = autopilot.home._replace(altitude=autopilot.home.altitude - 100)
     camera.blind = True
 
     def watch() -> None:
@@ -203,3 +201,90 @@ def test_px4_lands_where_it_is_without_a_target():
     camera = Camera(harness, "local")
     camera.blind = True
     assert land(harness, camera) > 3.0
+
+
+def test_px4_stops_climbing_a_metre_above_the_height_at_which_it_sees_the_target():
+    harness = flying("px4", PLD_SRCH_ALT=40.0)
+    camera, heights, begin = Camera(harness, "local"), [], -harness.vehicle.body.truth.down
+
+    def watch() -> None:
+        heights.append(-harness.vehicle.body.truth.down)
+        camera.blind = max(heights) < begin + 5
+        camera.report()
+
+    harness.command(common.MavCmd.DO_SET_MODE, 1, 4, 9)
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=150, each=watch)
+    assert begin + 5.5 < max(heights) < begin + 9
+    truth = harness.vehicle.body.truth
+    assert hypot(truth.north - TARGET[0], truth.east - TARGET[1]) < 0.5
+
+
+def test_px4_searches_above_home():
+    harness = flying("px4", PLD_SRCH_ALT=25.0, PLD_SRCH_TOUT=30.0)
+    autopilot, heights = harness.vehicle.autopilot, []
+    autopilot.home = autopilot.home._replace(altitude=autopilot.home.altitude + 15)
+    harness.command(common.MavCmd.DO_SET_MODE, 1, 4, 9)
+    harness.run(20, lambda: heights.append(-harness.vehicle.body.truth.down))
+    assert max(heights) == pytest.approx(25 - autopilot.home_position[2], abs=1.0)
+
+
+@pytest.mark.parametrize(("precision", "sees"), [(0, True), (1, True), (1, False), (2, True)])
+def test_px4_lands_precisely_at_the_end_of_its_return(precision, sees):
+    harness = flying("px4", RTL_PLD_MD=precision, RTL_RETURN_ALT=15.0, RTL_DESCEND_ALT=10.0)
+    camera = Camera(harness, "local")
+    camera.blind = not sees
+    harness.run(1, camera.report)
+    harness.vehicle.autopilot.enter(harness.vehicle.profile.return_to_launch, "test")
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=150, each=camera.report)
+    truth = harness.vehicle.body.truth
+    away = hypot(truth.north - TARGET[0], truth.east - TARGET[1])
+    assert away < 0.5 if precision and sees else away > 3.0
+
+
+def lose(**parameters: float) -> tuple[VehicleHarness, list[float]]:
+    """Land until the target is lost at half the height; return the heights after the loss."""
+    harness = flying("ardupilot", RNGFND1_TYPE=1, PLND_ALT_MAX=30.0, **parameters)
+    camera, heights, begin = Camera(harness, "body"), [], -harness.vehicle.body.truth.down
+    harness.run(3, camera.report)
+    harness.vehicle.autopilot.enter(harness.mode_number("LAND"), "test")
+
+    def watch() -> None:
+        height = -harness.vehicle.body.truth.down
+        camera.blind = camera.blind or height < begin / 2
+        if camera.blind:
+            heights.append(height)
+        camera.report()
+
+    harness.run(60, watch)
+    return harness, heights
+
+
+def test_ardupilot_tries_again_above_the_height_at_which_it_still_used_the_target():
+    harness, heights = lose(PLND_TIMEOUT=2.0)
+    assert "PrecLand: Retrying" in harness.texts
+    assert "PrecLand: Retry Completed" in harness.texts
+    assert "PrecLand: Failsafe Measures" in harness.texts
+    lowest = heights.index(min(heights[: len(heights) // 3]))
+    assert max(heights[lowest:]) > heights[lowest] + 1.0
+    assert harness.vehicle.autopilot.landed
+
+
+@pytest.mark.parametrize(
+    ("parameters", "lands"), [({"PLND_STRICT": 0}, True), ({"PLND_STRICT": 2, "PLND_RET_MAX": 0}, False)]
+)
+def test_the_strictness_of_a_precision_landing(parameters, lands):
+    harness, heights = lose(PLND_TIMEOUT=1.0, **parameters)
+    assert harness.vehicle.autopilot.landed is lands
+    assert "PrecLand: Retrying" not in harness.texts
+    assert ("PrecLand: Failsafe Measures" in harness.texts) is not lands
+    assert lands or heights[-1] > 1.0
+
+
+def test_ardupilot_stays_seven_seconds_if_it_never_saw_a_target():
+    harness = flying("ardupilot", PLND_ALT_MIN=0.0, PLND_ALT_MAX=0.0)
+    harness.vehicle.autopilot.enter(harness.mode_number("LAND"), "test")
+    before = harness.vehicle.body.truth.down
+    harness.run(6)
+    assert harness.vehicle.body.truth.down == pytest.approx(before, abs=0.5)
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=60)
+    assert harness.vehicle.autopilot.landed

@@ -4,8 +4,8 @@ LANDING_TARGET counts in the axes of the body (BODY_FRD, `position_valid` and a 
 with a distance or with the height of a rangefinder, if the target is below the vehicle. After 2 s of reports
 that are less than 0.5 s apart the target is used (PLND_EST_TYPE 0: at once), until 2 s without a report. A
 landing vehicle flies above the target, and descends while it is nearer than PLND_XY_DIST_MAX. If the target
-is lost, the vehicle lands on its last position, as a real copter without a rangefinder does; retries
-(PLND_STRICT, PLND_RET_MAX), which need a rangefinder, are not simulated.
+is lost, a vehicle without a rangefinder lands on its last position; one with a rangefinder tries again
+(`landing_retries.py`).
 
 Source: ArduPilot 4.6, AC_PrecLand.cpp, AC_PrecLand_MAVLink.cpp, ArduCopter/mode.cpp.
 """
@@ -16,6 +16,7 @@ from math import hypot, isfinite, sqrt, tan
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.sim.ardupilot.landing_retries import LandingRetries
 from mavstack.sim.autopilot.landing_target import LandingAim, LandingTarget, from_body
 from mavstack.sim.parameters.tables import group_definitions
 from mavstack.sim.vehicle_types import Firmware, VehicleType
@@ -66,6 +67,7 @@ class PrecisionLanding:
         self._found_at: float | None = None
         self._acquired = False
         self._refused_frame = False
+        self._retries = LandingRetries(vehicle)
         vehicle.autopilot.watches.append(self)
         vehicle.autopilot.landing_aim = self.aim
 
@@ -85,9 +87,14 @@ class PrecisionLanding:
         elif now - self._found_at > _INIT_TIME:
             self._acquired = True
             self._report("Init Complete", _SEVERITY.INFO)
+        self._retries.note(self._target.place if self._acquired else None, now)
 
     def aim(self) -> LandingAim | None:
-        """Return the place to land on; None while no target is used."""
+        """Return the place to land on, or to fly to for another try; None: the landing just continues."""
+        if not self._number(_ENABLED):
+            return None
+        if (other := self._retries.aim(self._vehicle.now)) is not None:
+            return other
         place = self._target.place
         if not self._acquired or place is None:
             return None

@@ -98,6 +98,9 @@ class SimulatedAutopilot:
         self.landing_target: LandingTarget | None = None
         #: Returns the place onto which a landing vehicle descends; None to descend at the present place.
         self.landing_aim: Callable[[], LandingAim | None] = lambda: None
+        #: Returns the landing on a target for a precision as in param2 of NAV_LAND, None for the precision of
+        #: the return; None: the vehicle just lands.
+        self.precise_landing: Callable[[int | None], Behaviour | None] = lambda precision: None
         #: True if a client set the origin of the local frame.
         self.has_origin = False
 

@@ -27,11 +27,13 @@ class LandingAim(NamedTuple):
 
     Attributes:
         point: Metres north, east, down.
-        descends: False if the vehicle stays at its height until it is nearer.
+        descends: False if the vehicle stays at a height until it is nearer.
+        keeps_height: True if that is its present height; False: the height of the point.
     """
 
     point: Point
     descends: bool
+    keeps_height: bool = True
 
 
 class LandingTarget(Service):

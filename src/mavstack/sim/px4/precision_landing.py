@@ -1,13 +1,14 @@
-"""PX4's Precision Land mode (main 4, sub 9) of multicopters, with the parameters PLD_….
+"""Precision landing of PX4's multicopters: the mode (main 4, sub 9), NAV_LAND, and the return (RTL_PLD_MD).
 
 LANDING_TARGET counts in LOCAL_NED with `position_valid`; other frames are refused with a status text, and
-angles go to a module that is not started by default. The vehicle waits 2 s for the target where it is, then
-climbs to PLD_SRCH_ALT above the local origin, and searches for PLD_SRCH_TOUT. It flies above the target at
-its present height, and descends once it has been within PLD_HACC_RAD for 2 s. If the target is lost for
-PLD_BTOUT above the last PLD_FAPPR_ALT metres, the vehicle starts again, at most PLD_MAX_SRCH times; after
-that, or if the search finds no target, the vehicle lands where it is.
+angles go to a module that is not started by default. With the precision 1 (opportunistic) the vehicle lands
+where it is if it does not see the target when the landing begins. With 2 (required) it waits 2 s for the
+target, then climbs to PLD_SRCH_ALT above home, and searches for PLD_SRCH_TOUT; a second after it has seen the
+target, it flies above it at its present height. It descends 2 s after it has come within PLD_HACC_RAD. If
+the target is lost for PLD_BTOUT above the last PLD_FAPPR_ALT metres, the vehicle starts again, at most
+PLD_MAX_SRCH times; after that, or if the search finds no target, it lands where it is.
 
-Source: PX4 1.17, navigator/precland.cpp (mode Required), MavlinkReceiver::handle_message_landing_target.
+Source: PX4 1.17, navigator/precland.cpp, MavlinkReceiver::handle_message_landing_target.
 """
 
 from __future__ import annotations
@@ -28,9 +29,14 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Seconds that the vehicle hovers before the next step, and maximum age in seconds of a new report.
+#: Seconds that the vehicle hovers before the next step, and after the target was found in a search; maximum
+#: age in seconds of a new report.
 _SETTLING: Final = 2.0
+_SETTLED: Final = 1.0
 _NEW: Final = 0.5
+#: Metres that a search climbs on after the target was seen.
+_MARGIN: Final = 1.0
+_OPPORTUNISTIC, _REQUIRED = 1, 2
 
 
 def register_precision_landing(vehicle: SimulatedVehicle) -> None:
@@ -48,65 +54,89 @@ def register_precision_landing(vehicle: SimulatedVehicle) -> None:
             return None
         return place
 
+    def precise_landing(precision: int | None) -> PrecisionLand | None:
+        chosen = int(vehicle.parameters.get("RTL_PLD_MD", 0)) if precision is None else precision
+        if chosen not in (_OPPORTUNISTIC, _REQUIRED):
+            return None
+        return PrecisionLand(vehicle.autopilot, required=chosen == _REQUIRED)
+
     vehicle.autopilot.landing_target = vehicle.engine.add(LandingTarget(vehicle, read))
+    vehicle.autopilot.precise_landing = precise_landing
 
 
 class PrecisionLand(Behaviour):
-    """Precision Land."""
+    """A landing on the target.
+
+    Args:
+        autopilot: The autopilot.
+        required: True if the vehicle searches for a target that it does not see.
+    """
 
     landing = True
 
-    def __init__(self, autopilot: SimulatedAutopilot) -> None:
+    def __init__(self, autopilot: SimulatedAutopilot, *, required: bool = True) -> None:
         super().__init__(autopilot)
         self._maneuvers = autopilot.maneuvers
+        self._required = required
         self._searches = 0
 
     def fly(self) -> Iterator[None]:
         """Land on the target, or where the vehicle is if it is not found."""
         while self._searches <= self._number("PLD_MAX_SRCH", 3):
             self._searches += 1
-            yield from self._wait_for_target()
-            if not self._is_new:
-                yield from self._search()
+            self._maneuvers.hold()
+            if not self._is_new and self._required:
+                yield from self._find()
             if not self._is_new:
                 break
             yield from self._approach()
-            if self._is_above:
-                yield from self._descend()
+            yield from self._descend()
             if self.autopilot.landed:
                 break
         yield from Land(self.autopilot).fly()
 
-    def _wait_for_target(self) -> Iterator[None]:
-        self._maneuvers.hold()
-        yield from self._until_new(_SETTLING)
+    def _find(self) -> Iterator[None]:
+        """Wait for the target here, then at the height of the search."""
+        begun, timeout = self.autopilot.now, self._number("PLD_SRCH_TOUT", 10.0)
+        while not self._is_new and self.autopilot.now - begun <= (_SETTLING if timeout > 0 else 0):
+            yield
+        if self._is_new or timeout <= 0:
+            return
+        yield from self._search(timeout)
 
-    def _search(self) -> Iterator[None]:
+    def _search(self, timeout: float) -> Iterator[None]:
+        """Climb until the target is seen, and a second longer for the vehicle to settle."""
         north, east, _ = self._maneuvers.place
-        self._maneuvers.go_to((north, east, -self._number("PLD_SRCH_ALT", 10.0)))
-        yield from self._until_new(self._number("PLD_SRCH_TOUT", 10.0))
-
-    def _until_new(self, timeout: float) -> Iterator[None]:
-        end = self.autopilot.now + timeout
-        while not self._is_new and self.autopilot.now < end:
+        height = self.autopilot.home_position[2] - self._number("PLD_SRCH_ALT", 10.0)
+        self._maneuvers.go_to((north, east, height))
+        end, seen_at = self.autopilot.now + timeout, None
+        while self.autopilot.now < end:
+            if self._is_new and seen_at is None:
+                seen_at = self.autopilot.now
+                stop = max(self._maneuvers.place[2] - _MARGIN, height)
+                self._maneuvers.go_to((north, east, stop))
+            if self._is_new and seen_at is not None and self.autopilot.now - seen_at > _SETTLED:
+                return
             yield
 
     def _approach(self) -> Iterator[None]:
-        """Fly above the target; ends when the vehicle has settled, or has lost the target there."""
-        height, settled_at = self._maneuvers.place[2], self.autopilot.now
-        while True:
+        """Fly above the target; ends 2 s after the vehicle was there, or when it lost the target there."""
+        height, reached_at = self._maneuvers.place[2], None
+        while self._is_valid or not self._is_above:
+            if self._is_above and self._is_new:
+                reached_at = self.autopilot.now if reached_at is None else reached_at
+                if self.autopilot.now - reached_at > _SETTLING:
+                    return
             north, east, _ = self._place
             self._maneuvers.go_to((north, east, height))
-            if not self._is_above:
-                settled_at = self.autopilot.now
-            elif not self._is_valid or self.autopilot.now - settled_at > _SETTLING:
-                return
             yield
 
     def _descend(self) -> Iterator[None]:
         """Descend above the target until the vehicle is down, or has lost the target."""
         landing, yaw = Land(self.autopilot), self.autopilot.body.estimate.yaw
-        while not self.autopilot.landed and (self._is_valid or self._is_final):
+        while not self.autopilot.landed and self._is_valid:
+            if self._is_final and not self._is_new:
+                yield from landing.fly()
             landing.sink_at(self._place, yaw)
             yield
 

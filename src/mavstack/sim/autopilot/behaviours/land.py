@@ -124,7 +124,8 @@ class Land(Behaviour):
         if aim.descends:
             self.sink_at(aim.point, yaw)
         else:
-            self.autopilot.maneuvers.go_to((*aim.point[:2], self.autopilot.maneuvers.place[2]), yaw=yaw)
+            down = self.autopilot.maneuvers.place[2] if aim.keeps_height else aim.point[2]
+            self.autopilot.maneuvers.go_to((*aim.point[:2], down), yaw=yaw)
         return aim.point
 
     def sink_at(self, place: Point, yaw: float) -> None:

@@ -93,4 +93,4 @@ class ReturnToLaunch(Behaviour):
 
     def _land(self, home: Point | None) -> Iterator[None]:
         self.landing = True
-        yield from Land(self.autopilot, home).fly()
+        yield from (self.autopilot.precise_landing(None) or Land(self.autopilot, home)).fly()

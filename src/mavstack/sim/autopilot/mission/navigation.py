@@ -121,7 +121,8 @@ def land(step: Step) -> Iterator[None]:
     if kind is VehicleType.SUB:
         yield from step.travel((*step.maneuvers.place[:2], _SURFACE))
     elif kind.flies:
-        yield from _until_down(step, Land(autopilot, point if step.has_place else None))
+        precise = autopilot.precise_landing(step.whole(2) or 0)
+        yield from _until_down(step, precise or Land(autopilot, point if step.has_place else None))
 
 
 def _is_lined_up(step: Step, point: Point) -> bool:
