@@ -66,12 +66,12 @@ def search_patterns() -> str:
 def scaling(figures: Sequence[dict[str, Any]]) -> str:
     """Return the plot of processor time and bytes of each vehicle over the number of vehicles."""
     plots = [
-        _plot(
+        plot(
             "processor time, ms/s per vehicle", figures, {"cpu_ms": "program", "controller_ms": "controller"}
         ),
-        _plot("bytes/s per vehicle", figures, {"sent": "to it", "received": "from it"}),
+        plot("bytes/s per vehicle", figures, {"sent": "to it", "received": "from it"}),
     ]
-    return _svg(
+    return svg(
         680, 240, "".join(f'<g transform="translate({340 * i} 0)">{each}</g>' for i, each in enumerate(plots))
     )
 
@@ -114,12 +114,14 @@ def _page(cells: Sequence[tuple[str, str]]) -> str:
         f'<g transform="translate(0 {TITLE})">{picture}</g></g>'
         for index, (title, picture) in enumerate(cells)
     ]
-    return _svg(SIZE * COLUMNS, (SIZE + TITLE) * rows, "".join(parts))
+    return svg(SIZE * COLUMNS, (SIZE + TITLE) * rows, "".join(parts))
 
 
-def _plot(title: str, figures: Sequence[dict[str, Any]], series: dict[str, str]) -> str:
+def plot(
+    title: str, figures: Sequence[dict[str, Any]], series: dict[str, str], over: str = "vehicles"
+) -> str:
     """Return a plot whose horizontal axis is logarithmic."""
-    counts = [each["vehicles"] for each in figures]
+    counts = [each[over] for each in figures]
     largest = max(float(each[key]) for each in figures for key in series)
     unit = math.pow(10.0, math.floor(math.log10(largest)))
     top = unit * math.ceil(largest / unit)
@@ -132,9 +134,9 @@ def _plot(title: str, figures: Sequence[dict[str, Any]], series: dict[str, str])
     parts += [_text(across[count], 218, str(count), "middle") for count in counts]
     parts += [_text(44, up(value) + 4, f"{value:g}", "end") for value in (0.0, top / 2.0, top)]
     parts.append(f'<path d="M50 40V200H300" fill="none" stroke="{INK}"/>')
-    parts.append(_text(165, 236, "vehicles", "middle"))
+    parts.append(_text(165, 236, over, "middle"))
     for (key, name), colour in zip(series.items(), (ACCENT, OTHER), strict=True):
-        line = " ".join(f"{across[each['vehicles']]:.1f},{up(each[key]):.1f}" for each in figures)
+        line = " ".join(f"{across[each[over]]:.1f},{up(each[key]):.1f}" for each in figures)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         parts.append(_text(285, up(figures[-1][key]) + 4, name, "start", colour))
     return "".join(parts)
@@ -144,7 +146,7 @@ def _text(x: float, y: float, text: str, anchor: str, colour: str = INK) -> str:
     return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" fill="{colour}">{text}</text>'
 
 
-def _svg(width: int, height: int, content: str) -> str:
+def svg(width: int, height: int, content: str) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'font-family="sans-serif" font-size="11">{content}</svg>\n'

@@ -32,7 +32,7 @@ def test_the_reader_of_udp_links_is_named(mav, monkeypatch, chosen, reader):
     monkeypatch.setenv("MAVSTACK_INPUT", chosen)
     report = json.loads(mav("doctor", "--json").out)
     details = {check["name"]: check["detail"] for check in report["checks"]}
-    assert details["input"] == f"UDP links are read by {reader}"
+    assert details["input"] == f"UDP, TCP, Unix sockets and serial ports are read by {reader}"
     assert report["ok"] is True
 
 

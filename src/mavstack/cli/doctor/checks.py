@@ -27,6 +27,8 @@ _LIBRARIES: Final = (
     ("websockets", "WebSocket links", "web"),
     ("cryptography", "sealed links", "secure"),
 )
+#: The links that a thread of the core can read.
+_READ_LINKS: Final = "UDP, TCP, Unix sockets and serial ports"
 _CPU_FEATURES: Final = ("sha_ni", "sha2", "avx2", "neon", "asimd")
 
 
@@ -150,7 +152,7 @@ async def _received(link: Link) -> bytes:
 
 
 def _input() -> Iterable[Finding]:
-    """Report which part reads the UDP links of a program."""
+    """Report which part reads the links of a program."""
 
     async def is_native() -> bool:
         from mavstack.node.native_input import is_possible
@@ -158,10 +160,10 @@ def _input() -> Iterable[Finding]:
         return is_possible(asyncio.get_running_loop())
 
     if asyncio.run(is_native()):
-        yield Finding("input", Status.OK, "UDP links are read by a thread of the core")
+        yield Finding("input", Status.OK, f"{_READ_LINKS} are read by a thread of the core")
     else:
         remedy = "unset MAVSTACK_INPUT" if "MAVSTACK_INPUT" in os.environ else ""
-        yield Finding("input", Status.NOTE, "UDP links are read by asyncio", remedy)
+        yield Finding("input", Status.NOTE, f"{_READ_LINKS} are read by asyncio", remedy)
 
 
 def _serial_ports() -> Iterable[Finding]:
