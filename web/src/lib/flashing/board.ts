@@ -1,4 +1,4 @@
-/** A board as its bootloader describes it, and the checks of a firmware before the first erase: as in `mav firmware`. */
+/** A board as its bootloader describes it, and the checks before the first erase: those of `mav firmware`. */
 
 import { FlashingError } from './errors';
 import type { FirmwareFile } from './firmwareFile';

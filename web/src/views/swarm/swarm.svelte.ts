@@ -4,7 +4,7 @@ import { api } from '$lib/api/client';
 import { textOf } from '$lib/api/errors';
 import type { Place } from '$lib/map/geometry';
 import { fleet } from '$lib/store/fleet.svelte';
-import type { PlanItem } from '$lib/vehicle/Vehicle';
+import { uploadShares, type Share } from '$lib/vehicle/shares';
 
 import { positiveOrNull, type Slot } from './slots';
 
@@ -21,15 +21,6 @@ export interface SwarmState {
   readonly smallest_separation_m: number | null;
   readonly limit_m: number;
   readonly members: readonly { readonly system: number; readonly follows: boolean }[];
-}
-
-export interface Share {
-  readonly system: number | null;
-  readonly altitude_m: number;
-  readonly length_m: number;
-  readonly duration_s: number;
-  readonly legs: readonly (readonly (readonly [number, number])[])[];
-  readonly items: readonly PlanItem[];
 }
 
 export const PATTERNS = ['parallel', 'creeping', 'square', 'sector'] as const;
@@ -151,13 +142,8 @@ class SwarmView {
   }
 
   /** Uploads each share to its vehicle; those that fly start it. */
-  async uploadSearch(): Promise<void> {
-    for (const { system, items } of this.shares) {
-      const vehicle = system === null ? null : fleet.vehicle(system);
-      if (!vehicle) continue;
-      await vehicle.uploadPlan('mission', { items, home: null });
-      if (vehicle.state.armed === true) await vehicle.startMission();
-    }
+  uploadSearch(): Promise<void> {
+    return uploadShares(this.shares);
   }
 }
 

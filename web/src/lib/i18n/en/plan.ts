@@ -90,6 +90,13 @@ export const plan = {
   otherPattern: 'Pattern, {count, one: # item, other: # items}',
   patternSummary:
     '{lanes, one: # lane, other: # lanes}, {distance}, {pictures, one: # picture, other: # pictures}, {area}',
+  division: 'Divide among vehicles',
+  divide: 'Divide among {count} vehicles',
+  divideChoose: 'Choose two vehicles or more',
+  divisionUnknown: 'Vehicle',
+  divisionShare: '{name}: {lanes, one: # lane, other: # lanes}, {length}, at {altitude}',
+  divisionUpload: 'Upload each part',
+  divisionUploaded: 'Each vehicle has its part.',
   patternImpossible: 'No lanes: the area or the spacing is not possible.',
   distance: 'Distance',
   duration: 'Duration',
