@@ -1,4 +1,4 @@
-"""`ssl` on first use, in other processes: this one has imported asyncio long ago."""
+"""Large modules on first use, in other processes: this one has imported asyncio long ago."""
 
 from __future__ import annotations
 
@@ -49,3 +49,12 @@ except AttributeError as error:
     assert "no_such_name" in str(error)
 """
     assert run(use) == ["False", "True", "module"]
+
+
+def test_the_parser_of_a_lean_command_loads_no_tables_of_languages():
+    use = """
+from mavstack.cli.registry import command_parser
+assert "options:" in command_parser("route").format_help()
+assert {type(sys.modules[name]).__name__ for name in ("locale", "linecache", "tokenize")} == {"_OnUse"}
+"""
+    assert run(use) == ["False", "False", "_OnUse"]

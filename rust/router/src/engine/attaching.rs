@@ -3,7 +3,7 @@
 //! A link that is added has no ports, so nothing reaches it, and is not read, until it is started. Rules and keys that
 //! are set before therefore apply to its first packet.
 
-use crate::engine::links::{Transport, deregister, register};
+use crate::engine::links::Transport;
 use crate::engine::queue::{Queue, QueueLink};
 use crate::engine::stream::{Framing, RawStream, StreamLink};
 use crate::engine::udp::{UdpLink, UdpOptions};
@@ -47,7 +47,7 @@ impl Worker {
         if !self.open_own_port(index) {
             return self.remove(number, Some("the router has too many endpoints and peers".into()));
         }
-        if let Err(error) = register(self.poll.registry(), &mut self.links.all[index], index) {
+        if let Err(error) = self.poll.register(&mut self.links.all[index], index) {
             return self.remove(number, Some(error.to_string()));
         }
         self.mark_ready(index);
@@ -113,7 +113,7 @@ impl Worker {
             self.close_port(port);
         }
         if let Some(mut link) = self.links.all.try_remove(index) {
-            deregister(self.poll.registry(), &mut link);
+            self.poll.deregister(&mut link);
             self.router.remove_endpoint(link.endpoint);
             if let Transport::Queue(queue) = &link.transport {
                 queue.shared.close();

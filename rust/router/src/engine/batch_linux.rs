@@ -8,7 +8,7 @@ use nix::sys::socket::{
     recvmmsg, sendmsg, setsockopt, sockopt,
 };
 use rustix::net::addr::SocketAddrArg;
-use rustix::net::{MMsgHdr, SendAncillaryBuffer, SendFlags, SocketAddrAny, sendmmsg};
+use rustix::net::{MMsgHdr, RecvFlags, SendAncillaryBuffer, SendFlags, SocketAddrAny, recvfrom, sendmmsg, sendto};
 use std::io::{self, IoSlice, IoSliceMut};
 use std::net::{SocketAddr, SocketAddrV4, SocketAddrV6};
 use std::os::fd::AsRawFd;
@@ -38,6 +38,16 @@ pub fn accept_joined(socket: &UdpSocket) {
 #[must_use]
 pub fn receive_buffer(socket: &UdpSocket) -> Option<usize> {
     getsockopt(socket, sockopt::RcvBuf).ok()
+}
+
+/// Receives one datagram.
+pub fn receive_one(socket: &UdpSocket, buffer: &mut ReceiveBuffer) -> io::Result<()> {
+    buffer.received.clear();
+    let (length, _, address) = recvfrom(socket, buffer.stream(), RecvFlags::DONTWAIT)?;
+    if let Some(address) = address.and_then(|address| SocketAddr::try_from(address).ok()) {
+        buffer.received.push((length, address));
+    }
+    Ok(())
 }
 
 impl Batches {
@@ -94,7 +104,10 @@ fn receive<S: SockaddrLike + Copy, const N: usize>(
 /// again (`can_segment`).
 pub fn send(socket: &UdpSocket, queue: &SendQueue, can_segment: &mut bool) -> io::Result<usize> {
     if let Some((bytes, address)) = queue.only() {
-        address.map_or_else(|| socket.send(bytes), |address| socket.send_to(bytes, address))?;
+        match address {
+            None => rustix::net::send(socket, bytes, SendFlags::DONTWAIT)?,
+            Some(address) => sendto(socket, bytes, SendFlags::DONTWAIT, &address)?,
+        };
         return Ok(1);
     }
     if *can_segment && let Some(run) = queue.first_run() {

@@ -17,6 +17,11 @@ pub fn receive_buffer(_socket: &UdpSocket) -> Option<usize> {
     None
 }
 
+/// Receives one datagram.
+pub fn receive_one(socket: &UdpSocket, buffer: &mut ReceiveBuffer) -> io::Result<()> {
+    Batches.receive(socket, false, 1, buffer)
+}
+
 impl Batches {
     /// Receives at most `count` datagrams, which are not more than a batch.
     pub fn receive(

@@ -3,6 +3,7 @@
 use crate::engine::RuleSet;
 use crate::engine::notify::Notifier;
 use crate::engine::peer_range::PeerRange;
+use crate::engine::polling::{Polling, Waker};
 use crate::engine::queue::Queue;
 use crate::engine::snapshot::Snapshot;
 use crate::engine::stream::{Framing, RawStream};
@@ -10,15 +11,16 @@ use crate::engine::udp::UdpOptions;
 use crate::event::{EndpointNumber, Event, Events};
 use crate::gateway::Gateway;
 use mavstack_core::claims::Authority;
-use mio::{Poll, Token, Waker};
 use std::collections::{HashSet, VecDeque};
 use std::io;
 use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-/// The token of the waker.
-pub const WAKE: Token = Token(usize::MAX);
+/// The longest time between two turns of the thread.
+pub const TURN_INTERVAL: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
 pub enum Command {
@@ -53,6 +55,8 @@ struct Commands {
 #[derive(Debug)]
 pub struct Shared {
     commands: Mutex<Commands>,
+    /// The thread has something to take: it looks at this for each packet.
+    has_commands: AtomicBool,
     waker: Waker,
     events: Mutex<Events>,
     pub notifier: Notifier,
@@ -77,11 +81,10 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Shared {
-    pub fn new() -> io::Result<(Self, Poll)> {
-        let poll = Poll::new()?;
-        let waker = Waker::new(poll.registry(), WAKE)?;
-        let (commands, events) = (Mutex::default(), Mutex::default());
-        Ok((Self { commands, waker, events, notifier: Notifier::new()? }, poll))
+    pub fn new() -> io::Result<(Self, Polling)> {
+        let (poll, waker) = Polling::new(TURN_INTERVAL)?;
+        let (commands, has_commands, events) = (Mutex::default(), AtomicBool::new(false), Mutex::default());
+        Ok((Self { commands, has_commands, waker, events, notifier: Notifier::new()? }, poll))
     }
 
     /// Gives the thread a command; an engine that has ended drops it.
@@ -92,8 +95,8 @@ impl Shared {
         }
         commands.list.push(command);
         if commands.list.len() == 1 {
-            // It fails only if the thread's poll is gone.
-            let _ = self.waker.wake();
+            self.has_commands.store(true, Ordering::SeqCst);
+            self.waker.wake();
         }
     }
 
@@ -101,12 +104,20 @@ impl Shared {
         let mut commands = lock(&self.commands);
         commands.closed = true;
         commands.list.clear();
-        let _ = self.waker.wake();
+        self.has_commands.store(true, Ordering::SeqCst);
+        self.waker.wake();
+    }
+
+    /// Returns whether there are commands, or the engine ends.
+    #[inline]
+    pub fn has_commands(&self) -> bool {
+        self.has_commands.load(Ordering::SeqCst)
     }
 
     /// Returns the commands since the last call; `None`: the engine ends.
     pub fn take_commands(&self) -> Option<Vec<Command>> {
         let mut commands = lock(&self.commands);
+        self.has_commands.store(commands.closed, Ordering::SeqCst);
         (!commands.closed).then(|| std::mem::take(&mut commands.list))
     }
 

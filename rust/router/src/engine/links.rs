@@ -6,10 +6,7 @@ use crate::engine::udp::UdpLink;
 use crate::event::EndpointNumber;
 use crate::ports::PortId;
 use crate::router::{Origin, QueueFull, Sink, Unsent};
-use mio::event::Source;
-use mio::{Interest, Registry, Token};
 use slab::Slab;
-use std::io;
 use std::net::SocketAddr;
 
 /// Bytes that a peer which answered nothing may get for each byte that it sent, as in QUIC (RFC 9000, 8.1).
@@ -184,32 +181,4 @@ impl Sink for Links {
         }
         Ok(())
     }
-}
-
-/// Calls `use_source` with the event source of a link, if it has one.
-fn with_source(link: &mut Link, use_source: impl FnOnce(&mut dyn Source) -> io::Result<()>) -> io::Result<()> {
-    match &mut link.transport {
-        Transport::Udp(udp) => use_source(&mut udp.socket),
-        Transport::Stream(stream) => stream.stream.with_source(use_source),
-        Transport::Queue(..) => Ok(()),
-    }
-}
-
-/// Registers the transport of a link for events with its index.
-pub fn register(registry: &Registry, link: &mut Link, index: usize) -> io::Result<()> {
-    with_source(link, |source| source.register(registry, Token(index), Interest::READABLE))
-}
-
-/// Asks for an event when a blocked link can send again, or for no more of them: sockets that are not blocked would
-/// cause one for each packet.
-pub fn await_writable(registry: &Registry, link: &mut Link, index: usize, is_blocked: bool) {
-    let interest = if is_blocked { Interest::READABLE | Interest::WRITABLE } else { Interest::READABLE };
-    // A source that is gone is reported when it is read.
-    let _ = with_source(link, |source| source.reregister(registry, Token(index), interest));
-}
-
-/// Ends the registration of a link.
-pub fn deregister(registry: &Registry, link: &mut Link) {
-    // A socket that is gone already is not registered any more.
-    let _ = with_source(link, |source| source.deregister(registry));
 }

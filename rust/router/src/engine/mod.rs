@@ -12,6 +12,7 @@ pub mod batch;
 #[cfg(not(target_os = "linux"))]
 #[path = "batch_std.rs"]
 pub mod batch;
+mod clock;
 mod command;
 pub mod datagrams;
 mod framing;
@@ -19,7 +20,14 @@ mod lanes;
 mod links;
 mod moderation;
 pub mod notify;
+mod peer_hasher;
 pub mod peer_range;
+#[cfg(target_os = "linux")]
+#[path = "polling_linux.rs"]
+mod polling;
+#[cfg(not(target_os = "linux"))]
+#[path = "polling_mio.rs"]
+mod polling;
 pub mod queue;
 mod reading;
 pub mod sender;
@@ -32,6 +40,7 @@ mod worker;
 use crate::event::{EndpointNumber, Event};
 use crate::gateway::Gateway;
 use crate::rules::{Action, Rule};
+use clock::{Clock, SystemClock};
 use command::{CloseAtEnd, Command, Shared};
 use mavstack_core::claims::Authority;
 use mavstack_core::layout::Dialect;
@@ -46,7 +55,7 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use stream::{Framing, RawStream};
 use udp::UdpOptions;
-use worker::{Worker, system_clock};
+use worker::Worker;
 
 /// The rules of one endpoint, and its byte rate.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +88,7 @@ impl Engine {
         let for_thread = Arc::clone(&shared);
         let run = move || {
             let _end = CloseAtEnd(Arc::clone(&for_thread));
-            Worker::new(poll, for_thread, dialect, duplicate_window, system_clock()).run();
+            Worker::new(poll, for_thread, dialect, duplicate_window, Clock::System(SystemClock::default())).run();
         };
         let thread = std::thread::Builder::new().name("mavstack-router".into()).spawn(run)?;
         let (numbers, queues) = (AtomicU32::new(0), Mutex::default());

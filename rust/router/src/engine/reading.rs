@@ -4,6 +4,7 @@ use crate::counters::Cause;
 use crate::engine::batch::Batches;
 use crate::engine::datagrams::{ReceiveBuffer, TURN_BYTES};
 use crate::engine::links::Transport;
+use crate::engine::polling::REPORTS_WAITING;
 use crate::engine::udp::{Accepted, Sender};
 use crate::engine::worker::Worker;
 use crate::event::{EndpointNumber, Event};
@@ -79,11 +80,11 @@ impl Worker {
         let Transport::Udp(udp) = &mut self.links.all[index].transport else {
             return Progress::Drained;
         };
-        let more = match udp.receive(&mut reading.batches, &mut reading.buffer) {
+        let more = match udp.receive(&mut reading.batches, &mut reading.buffer, time.now) {
             Ok(more) => more,
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Progress::Drained,
             // An unreachable peer may become reachable.
-            Err(_) => return Progress::More,
+            Err(_) => return if REPORTS_WAITING { Progress::Drained } else { Progress::More },
         };
         self.datagrams += reading.buffer.received.len();
         // Datagrams of one sender mostly come together.
@@ -155,6 +156,9 @@ impl Worker {
 
     /// Gives the peers what they may get since their packets were accepted, or answered something.
     pub(super) fn note_progress(&mut self, now: u64) {
+        if !self.router.has_progress() {
+            return;
+        }
         for (port, evidence) in self.router.take_progress() {
             let Some((index, address)) = self.links.peer_of(port) else {
                 continue;

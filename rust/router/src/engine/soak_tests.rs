@@ -130,7 +130,7 @@ impl Day {
 
     /// Everything has its bound.
     fn check(&self) {
-        let snapshot = self.engine.worker.snapshot();
+        let snapshot = self.engine.worker.snapshot(0);
         let peers = snapshot.endpoints.iter().map(|endpoint| endpoint.peers.len()).max().expect("endpoints");
         assert!((1..=MAX_PEERS).contains(&peers), "{peers} peers");
         assert!(snapshot.routes.len() <= MAX_ADDRESSES);
@@ -162,7 +162,7 @@ fn run(seconds: u64) {
             day.check();
         }
     }
-    let snapshot = day.engine.worker.snapshot();
+    let snapshot = day.engine.worker.snapshot(0);
     let counters = |number: EndpointNumber| {
         &snapshot.endpoints.iter().find(|endpoint| endpoint.number == number).expect("open").counters
     };

@@ -2,7 +2,9 @@
 
 use crate::engine::batch;
 use crate::engine::datagrams::{BATCH, ReceiveBuffer, SendQueue, TURN_BYTES};
+use crate::engine::peer_hasher::PeerHashers;
 use crate::engine::peer_range::PeerRange;
+use crate::engine::polling::REPORTS_WAITING;
 use crate::ports::PortId;
 use crate::router::{Origin, QueueFull};
 use mio::net::UdpSocket;
@@ -12,6 +14,8 @@ use std::net::{IpAddr, SocketAddr};
 
 /// Datagrams of a batch while few come.
 const MIN_BATCH: usize = 8;
+/// Microseconds since the last datagram after which the next one probably comes alone.
+const ALONE_TIME: u64 = 200;
 
 /// Microseconds of silence after which a peer with one datagram makes room for another.
 const MIN_PEER_TIME: u64 = 1_000_000;
@@ -110,12 +114,13 @@ pub struct UdpLink {
     /// Peers that are cut off for a time.
     pub blocked: HashSet<SocketAddr>,
     pub fixed: Option<PortId>,
-    pub peers: HashMap<SocketAddr, Peer>,
+    pub peers: HashMap<SocketAddr, Peer, PeerHashers>,
     pub queue: SendQueue,
     /// The system accepts no more datagrams.
     is_blocked: bool,
     /// Datagrams that are received at a time.
     batch: usize,
+    received_at: u64,
     /// The system divides datagrams that are sent together.
     can_segment: bool,
     /// Datagrams that the system refused to send.
@@ -146,17 +151,23 @@ impl UdpLink {
             allowed: None,
             blocked: HashSet::new(),
             fixed: None,
-            peers: HashMap::new(),
+            peers: HashMap::default(),
             queue: SendQueue::default(),
             is_blocked: false,
             batch: MIN_BATCH,
+            received_at: 0,
             can_segment: true,
             refused: 0,
         })
     }
 
-    /// Receives a batch; returns whether more may be waiting.
-    pub fn receive(&mut self, batches: &mut batch::Batches, buffer: &mut ReceiveBuffer) -> io::Result<bool> {
+    /// Receives a datagram that probably comes alone, or a batch; returns whether more may be waiting that are not reported.
+    pub fn receive(&mut self, batches: &mut batch::Batches, buffer: &mut ReceiveBuffer, now: u64) -> io::Result<bool> {
+        let silence = now.saturating_sub(std::mem::replace(&mut self.received_at, now));
+        if REPORTS_WAITING && silence >= ALONE_TIME {
+            batch::receive_one(&self.socket, buffer)?;
+            return Ok(false);
+        }
         batches.receive(&self.socket, self.is_v6, self.batch, buffer)?;
         let count = buffer.received.len();
         let is_full = count == self.batch;

@@ -2,9 +2,11 @@
 
 use crate::counters::Cause;
 use crate::engine::RuleSet;
-use crate::engine::command::{Command, Shared, WAKE};
-use crate::engine::links::{Link, Links, Transport, await_writable};
+use crate::engine::clock::Clock;
+use crate::engine::command::{Command, Shared, TURN_INTERVAL};
+use crate::engine::links::{Link, Links, Transport};
 use crate::engine::moderation::{Moderation, REST};
+use crate::engine::polling::{Events, Polling};
 use crate::engine::reading::Reading;
 use crate::engine::snapshot::{EndpointSnapshot, PeerSnapshot, Snapshot, routes};
 use crate::engine::udp::UdpLink;
@@ -14,49 +16,19 @@ use crate::router::{Router, Time};
 use crate::rules::Rules;
 use mavstack_core::layout::Dialect;
 use mavstack_core::parser::Parser;
-use mavstack_core::signing::EPOCH;
-use mio::{Events, Poll};
-use std::cell::Cell;
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Events of the system taken at a time.
 const MAX_EVENTS: usize = 256;
-/// Microseconds between two searches for silent peers.
-const EXPIRY_INTERVAL: u64 = 1_000_000;
-/// Microseconds between two looks at the calendar of the system: after a pause of the machine it differs from the
-/// monotonic clock.
-const CALENDAR_INTERVAL: u64 = 100_000;
-
-/// Returns the current time; never 0 microseconds, so that it differs from "never".
-pub type Clock = Box<dyn Fn() -> Time + Send>;
-
-/// The clock of the system.
-#[must_use]
-pub fn system_clock() -> Clock {
-    let (started, calendar) = (Instant::now(), Cell::new((0, signing_time())));
-    Box::new(move || {
-        let now = started.elapsed().as_micros() as u64 + 1;
-        let (mut at, mut signing) = calendar.get();
-        if now - at >= CALENDAR_INTERVAL {
-            (at, signing) = (now, signing_time());
-            calendar.set((at, signing));
-        }
-        Time { now, signing: signing + (now - at) / 10 }
-    })
-}
-
-fn signing_time() -> u64 {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    (since_1970.saturating_sub(Duration::from_secs(EPOCH)).as_micros() / 10) as u64
-}
+/// Microseconds between two searches for silent peers: each turn of an idle thread makes one.
+const EXPIRY_INTERVAL: u64 = TURN_INTERVAL.as_micros() as u64 * 9 / 10;
 
 /// The state of the thread.
 pub struct Worker {
-    pub(super) poll: Poll,
+    pub(super) poll: Polling,
     shared: Arc<Shared>,
     pub(super) router: Router,
     pub(super) links: Links,
@@ -78,7 +50,7 @@ pub struct Worker {
 }
 
 impl Worker {
-    pub fn new(poll: Poll, shared: Arc<Shared>, dialect: Arc<Dialect>, duplicate_window: u64, clock: Clock) -> Self {
+    pub fn new(poll: Polling, shared: Arc<Shared>, dialect: Arc<Dialect>, duplicate_window: u64, clock: Clock) -> Self {
         Self {
             poll,
             shared,
@@ -98,8 +70,8 @@ impl Worker {
         }
     }
 
-    pub(super) fn time(&self) -> Time {
-        (self.clock)()
+    pub(super) fn time(&mut self) -> Time {
+        self.clock.time()
     }
 
     /// Runs until the engine is closed.
@@ -116,24 +88,20 @@ impl Worker {
     /// Waits for something to do and does it; returns false when the engine ends.
     pub(super) fn turn(&mut self, events: &mut Events) -> bool {
         let is_idle = self.ready.is_empty() && self.requests.is_empty();
-        let timeout = if is_idle { Duration::from_micros(EXPIRY_INTERVAL) } else { Duration::ZERO };
-        if let Err(error) = self.poll.poll(events, Some(timeout))
+        if let Err(error) = self.poll.wait(events, is_idle)
             && error.kind() != io::ErrorKind::Interrupted
         {
             return false;
         }
-        for event in events.iter() {
-            if event.token() == WAKE {
-                if !self.execute_commands() {
-                    return false;
-                }
-            } else {
-                self.note(event.token().0, event.is_writable());
-            }
+        for (index, is_writable) in events.links() {
+            self.note(index, is_writable);
         }
-        let (ready, requests) = (self.take_ready(), std::mem::take(&mut self.requests));
+        if self.shared.has_commands() && !self.execute_commands() {
+            return false;
+        }
+        let (ready, requests) = (self.take_ready(), self.requests.len());
         // Immediately before reading: a packet that came after a command finds its effect.
-        if !self.execute_commands() {
+        if self.shared.has_commands() && !self.execute_commands() {
             return false;
         }
         let time = self.time(); // one look at the clocks for each turn: a vehicle's packets come one by one
@@ -142,18 +110,25 @@ impl Worker {
         self.note_progress(time.now);
         self.flush();
         self.expire_peers(time.now);
-        let events = self.router.events.take();
-        if !events.is_empty() {
-            self.shared.emit(events);
+        if !self.router.events.is_empty() {
+            self.shared.emit(self.router.events.take());
         }
-        for request in requests {
-            // A program that does not wait any more has no use for it.
-            let _ = request.try_send(self.snapshot());
+        if requests > 0 {
+            self.answer(requests, time.now);
         }
         if self.moderation.needs_rest(std::mem::take(&mut self.datagrams), time.now) {
             std::thread::sleep(REST);
         }
         true
+    }
+
+    /// Answers the oldest requests.
+    #[cold]
+    fn answer(&mut self, count: usize, now: u64) {
+        for request in self.requests.drain(..count).collect::<Vec<_>>() {
+            // A program that does not wait any more has no use for it.
+            let _ = request.try_send(self.snapshot(now));
+        }
     }
 
     fn note(&mut self, index: usize, is_writable: bool) {
@@ -164,7 +139,7 @@ impl Worker {
             link.is_blocked = false;
             self.flush_link(index);
             if let Some(link) = self.links.all.get_mut(index).filter(|link| !link.is_blocked) {
-                await_writable(self.poll.registry(), link, index, false);
+                self.poll.await_writable(link, index, false);
             }
         }
         self.mark_ready(index);
@@ -183,6 +158,7 @@ impl Worker {
     // Commands
 
     /// Executes what the program commanded; returns false when the engine ends.
+    #[cold]
     fn execute_commands(&mut self) -> bool {
         let Some(commands) = self.shared.take_commands() else {
             return false;
@@ -308,7 +284,7 @@ impl Worker {
             }
         }
         if link.is_blocked {
-            await_writable(self.poll.registry(), link, index, true);
+            self.poll.await_writable(link, index, true);
         }
     }
 
@@ -333,8 +309,7 @@ impl Worker {
         }
     }
 
-    fn snapshot(&self) -> Snapshot {
-        let now = self.time().now;
+    fn snapshot(&self, now: u64) -> Snapshot {
         let endpoints = self.links.all.iter().filter_map(|(index, link)| self.endpoint_snapshot(index, link, now));
         let mut endpoints: Vec<_> = endpoints.collect();
         endpoints.sort_unstable_by_key(|endpoint| endpoint.number);

@@ -28,7 +28,7 @@ impl Engine {
         let clock = Arc::new(AtomicU64::new(1));
         let now = Arc::clone(&clock);
         let time = move || Time { now: now.load(Ordering::Relaxed), signing: 0 };
-        let worker = Worker::new(poll, Arc::new(shared), Arc::new(dialect()), 0, Box::new(time));
+        let worker = Worker::new(poll, Arc::new(shared), Arc::new(dialect()), 0, Clock::Other(Box::new(time)));
         Self { worker, clock, events: Events::with_capacity(MAX_EVENTS), added: 0 }
     }
 
@@ -57,7 +57,7 @@ impl Engine {
     }
 
     fn received(&self) -> u64 {
-        self.worker.snapshot().endpoints.iter().map(|endpoint| endpoint.counters.received).sum()
+        self.worker.snapshot(0).endpoints.iter().map(|endpoint| endpoint.counters.received).sum()
     }
 }
 
@@ -142,6 +142,45 @@ fn received(socket: &UdpSocket) -> usize {
     std::iter::from_fn(|| socket.recv(&mut buffer).ok()).sum()
 }
 
+/// Waits for events, without a command that wakes the thread, for at most a tick.
+fn wait(engine: &mut Engine) {
+    assert!(engine.worker.turn(&mut engine.events));
+}
+
+#[test]
+fn datagrams_behind_the_one_that_was_received_alone_are_reported_again() {
+    let mut engine = Engine::new();
+    let (_, address) = add_listener(&mut engine);
+    engine.turn();
+    engine.clock.store(10_000_000, Ordering::Relaxed);
+    let sender = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    for number in 0..3 {
+        sender.send_to(&heartbeat((1, 1, number)), address).expect("sent");
+    }
+    wait(&mut engine);
+    wait(&mut engine);
+    assert_eq!(engine.received(), 3, "the first alone, and the others together");
+    engine.clock.store(20_000_000, Ordering::Relaxed);
+    sender.send_to(&heartbeat((1, 1, 3)), address).expect("sent");
+    wait(&mut engine);
+    assert_eq!(engine.received(), 4);
+}
+
+#[test]
+fn a_thread_without_packets_wakes_each_second_and_finds_silent_peers() {
+    let mut engine = Engine::new();
+    let (ground, address) = add_listener(&mut engine);
+    let sender = stranger();
+    sender.send_to(&heartbeat((1, 1, 0)), address).expect("sent");
+    wait(&mut engine);
+    wait(&mut engine);
+    let peers = |engine: &Engine| engine.worker.snapshot(0).endpoints[ground as usize].peers.len();
+    assert_eq!(peers(&engine), 1);
+    engine.clock.store(100_000_000, Ordering::Relaxed);
+    wait(&mut engine);
+    assert_eq!(peers(&engine), 0);
+}
+
 #[test]
 fn a_sender_whose_packets_are_refused_is_no_peer() {
     let mut engine = Engine::new();
@@ -163,7 +202,7 @@ fn a_sender_whose_packets_are_refused_is_no_peer() {
         engine.turn();
         engine.clock.fetch_add(500_000, Ordering::Relaxed);
     }
-    let snapshot = engine.worker.snapshot();
+    let snapshot = engine.worker.snapshot(0);
     let endpoint = &snapshot.endpoints[1];
     assert_eq!((endpoint.peers.len(), endpoint.counters.dropped(Cause::Unsigned), received(&sender)), (0, 30, 0));
     assert!(engine.worker.shared.take_events().iter().all(|event| !matches!(event, Event::PeerOpened { .. })));
@@ -193,7 +232,7 @@ fn a_new_peer_gets_three_times_what_it_sent_until_it_answers() {
     engine.turn();
     engine.turn();
     assert!(received(&sender) > 10 * sent, "it answered");
-    assert!(engine.worker.snapshot().endpoints[1].counters.dropped(Cause::Unanswered) > 300);
+    assert!(engine.worker.snapshot(0).endpoints[1].counters.dropped(Cause::Unanswered) > 300);
 }
 
 #[test]
@@ -214,7 +253,7 @@ fn a_blocked_peer_gets_and_sends_nothing() {
     let blocked = [other.local_addr().expect("an address")].into();
     engine.worker.execute(Command::SetBlockedPeers(ground, blocked));
     assert_eq!((hello(&mut engine, 2), hello(&mut engine, 3)), (1, 1));
-    assert_eq!(engine.worker.snapshot().endpoints[1].peers.len(), 1);
+    assert_eq!(engine.worker.snapshot(0).endpoints[1].peers.len(), 1);
     engine.worker.execute(Command::SetBlockedPeers(ground, std::collections::HashSet::new()));
     assert_eq!(hello(&mut engine, 4), 2);
 }
@@ -232,6 +271,6 @@ fn a_removed_queue_is_routed_to_its_end_in_turns() {
         right.1.pull();
         turns += 1;
     }
-    let counters = &engine.worker.snapshot().endpoints[0].counters;
+    let counters = &engine.worker.snapshot(0).endpoints[0].counters;
     assert_eq!((counters.sent + counters.dropped(Cause::FullQueue), turns), (10_000, 3));
 }

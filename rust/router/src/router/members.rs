@@ -49,6 +49,13 @@ impl Router {
         Some(port)
     }
 
+    /// Returns whether packets of peers that are not proven showed something.
+    #[inline]
+    #[must_use]
+    pub fn has_progress(&self) -> bool {
+        !self.progress.is_empty()
+    }
+
     /// Takes what the packets of peers that are not proven showed.
     pub fn take_progress(&mut self) -> Vec<(PortId, Evidence)> {
         std::mem::take(&mut self.progress)

@@ -1,21 +1,22 @@
 """Large modules on first use: those that asyncio, dataclasses and urllib import, and few programs call.
 
 `ssl` costs a program without TLS five megabytes, `inspect` and the modules that it imports one, `ipaddress` a
-third. A module of a subclass with `__getattr__` stands in until one of its attributes is read.
-`asyncio.sslproto` reads some of `ssl` while it is imported, so it is loaded on first use too.
-`importlib.util.LazyLoader` is not lazy enough: the second import of its module reads `__spec__`, and thereby
-loads it.
+third, `locale` and `tokenize` a fifth each. A module of a subclass with `__getattr__` stands in until one of
+its attributes is read. `asyncio.sslproto` reads some of `ssl` while it is imported, so it is loaded on first
+use too. `importlib.util.LazyLoader` is not lazy enough: the second import of its module reads `__spec__`, and
+thereby loads it.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 import threading
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
 
-_MODULES = ("ssl", "inspect", "ipaddress", "locale")
+_MODULES = ("ssl", "inspect", "ipaddress", "locale", "tokenize", "linecache")
 
 
 class _OnUse(ModuleType):
@@ -34,8 +35,10 @@ class _OnUse(ModuleType):
 def load_modules_on_use() -> None:
     """Let large modules be loaded when they are used; call it before asyncio is imported.
 
-    A program that has imported asyncio already is left as it is.
+    A program that has imported asyncio already is left as it is. `argparse` no longer looks for translations
+    of its words, since that would load `locale` for each parser.
     """
+    vars(argparse)["_"] = str
     package = find_spec("asyncio")
     if "asyncio" in sys.modules or package is None:
         return
