@@ -69,6 +69,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.get_closest_marker("interop"):
             # External programs have timeouts in real time, which expire on a busy machine.
             item.add_marker(pytest.mark.flaky(reruns=3))
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
 def pytest_collection_finish() -> None:

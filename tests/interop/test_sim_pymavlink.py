@@ -83,6 +83,7 @@ def place(vehicle, north: float, east: float) -> tuple[float, float]:
     return vehicle.body.frame.to_global(north, east, 0)[:2]
 
 
+@pytest.mark.long
 def test_a_script_flies_a_copter() -> None:
     with script("copter") as (vehicle, connection):
         check_telemetry(vehicle, connection)

@@ -23,6 +23,7 @@ SPEED = 4.0
 TIMEOUTS = {"FS_GCS_TIMEOUT", "FS_LONG_TIMEOUT", "FS_SHORT_TIMEOUT", "FS_TIMEOUT"}
 
 
+@pytest.mark.long
 async def test_all_types_fly_over_a_lossy_link() -> None:
     simulation = Simulation(seed=6)
     for kind, firmware in ALL:

@@ -14,7 +14,7 @@ from mavstack.server.app import make_app
 from mavstack.server.station import Station
 
 pytest.importorskip("schemathesis")
-pytestmark = pytest.mark.interop
+pytestmark = [pytest.mark.interop, pytest.mark.long]
 
 #: Requests that are valid by their schema may still be refused, such as a plan that is no plan.
 CHECKS = (
