@@ -66,7 +66,7 @@ impl Polling {
         let interval = Timespec::try_from(interval).map_err(|_| io::ErrorKind::InvalidInput)?;
         let setting = Itimerspec { it_interval: interval, it_value: interval };
         timerfd_settime(&timer, TimerfdTimerFlags::empty(), &setting)?;
-        // What is new is reported once; the waker is never read.
+        // Each of their events is reported once, so that the waker is never read.
         epoll::add(&epoll, &wake, EventData::new_u64(WAKE), EventFlags::IN | EventFlags::ET)?;
         epoll::add(&epoll, &timer, EventData::new_u64(TICK), EventFlags::IN | EventFlags::ET)?;
         Ok((Self { epoll, timer }, Waker(wake)))
