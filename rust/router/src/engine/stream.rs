@@ -14,7 +14,7 @@ type Handle = mio::net::TcpStream;
 
 /// A stream without a port of its own yet.
 #[derive(Debug)]
-pub struct RawStream(Handle);
+pub struct RawStream(pub(super) Handle);
 
 impl RawStream {
     /// Takes over a stream; it becomes non-blocking.
