@@ -135,7 +135,6 @@ async def mavproxy_flight(kind: str, firmware: str, directory, **parameters):
         yield MavproxyFlight(vehicle, console, simulated)
 
 
-@pytest.mark.long
 async def test_a_copter(tmp_path) -> None:
     async with mavproxy_flight("copter", "ardupilot", tmp_path) as flight:
         await flight.wait_for_parameters()
