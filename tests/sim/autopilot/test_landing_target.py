@@ -288,3 +288,8 @@ def test_ardupilot_stays_seven_seconds_if_it_never_saw_a_target():
     assert harness.vehicle.body.truth.down == pytest.approx(before, abs=0.5)
     harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=60)
     assert harness.vehicle.autopilot.landed
+
+
+def test_a_landing_item_of_px4_names_its_precision():
+    autopilot = flying("px4").vehicle.autopilot
+    assert [each for each in range(4) if autopilot.precise_landing(each)] == [1, 2]
