@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tools.redundancy import SOURCES, pass_through_functions, single_protocols
 
-MAX_SINGLE_PROTOCOLS, MAX_PASS_THROUGH_FUNCTIONS = 2, 141
+MAX_SINGLE_PROTOCOLS, MAX_PASS_THROUGH_FUNCTIONS = 2, 132
 
 PROGRAM = """
 class Reader(Protocol):

@@ -35,7 +35,7 @@ def assign_offsets(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, 
     for item in wire_order(fields):
         offsets[item.name] = position
         position += item.size
-    return tuple([item.at(offsets[item.name]) for item in fields])
+    return tuple([item._replace(offset=offsets[item.name]) for item in fields])
 
 
 def lengths(fields: Iterable[FieldDefinition]) -> tuple[int, int]:

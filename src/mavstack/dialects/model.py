@@ -61,10 +61,6 @@ class FieldDefinition(NamedTuple):
     offset: int = 0
     line: int = 0
 
-    def at(self, offset: int) -> FieldDefinition:
-        """Return the field with a payload offset."""
-        return self._replace(offset=offset)
-
     @property
     def size(self) -> int:
         """Size of the field in the payload, in bytes."""

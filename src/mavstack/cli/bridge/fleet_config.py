@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -58,7 +59,7 @@ def add_options(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--prefix",
-        type=_prefix,
+        type=partial(_checked, checked_prefix),
         default=DEFAULT_PREFIX,
         help=f"beginning of all keys (default: {DEFAULT_PREFIX})",
     )
@@ -108,10 +109,6 @@ def _checked(check: Any, *arguments: str) -> str:  # noqa: ANN401 (either check)
 
 def _name(text: str) -> str:
     return _checked(checked_name, text, "a name")
-
-
-def _prefix(text: str) -> str:
-    return _checked(checked_prefix, text)
 
 
 def _gateway(text: str) -> tuple[str, tuple[str, ...]]:

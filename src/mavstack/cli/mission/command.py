@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
@@ -16,7 +17,7 @@ from mavstack.files.plans import FORMATS
 from mavstack.services.mission import PLAN_TYPES, PlanType
 
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
+    from argparse import ArgumentParser
 
 EXAMPLES = """\
 examples:
@@ -88,22 +89,22 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def _add_planners(actions: Actions) -> None:
-    action = actions.add("survey", "cover an area or a corridor by tracks, as missions", _survey)
+    action = actions.add(
+        "survey",
+        "cover an area or a corridor by tracks, as missions",
+        partial(survey, select=selected_vehicles),
+    )
     action.add_argument("--json", action="store_true", help="print JSON")
     add_survey_arguments(action)
     add_connection_options(action, fleet=True, changes=True)
-    action = actions.add("search", "search around a point by a pattern, as missions", _search)
+    action = actions.add(
+        "search",
+        "search around a point by a pattern, as missions",
+        partial(search, select=selected_vehicles, numbered=False),
+    )
     action.add_argument("--json", action="store_true", help="print JSON")
     add_search_arguments(action)
     add_connection_options(action, fleet=True, changes=True)
-
-
-def _survey(arguments: Namespace) -> int:
-    return survey(arguments, selected_vehicles)
-
-
-def _search(arguments: Namespace) -> int:
-    return search(arguments, selected_vehicles, numbered=False)
 
 
 def _add_plan_types(parser: ArgumentParser, default: str, *, with_all: bool = False) -> None:

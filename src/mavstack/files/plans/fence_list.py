@@ -63,14 +63,14 @@ def write(plan: PlanFile, report: Report) -> str:
     areas = fence_areas(plan.fence.items)
     for kind in plan.kinds:
         if kind != plan.fence.type:
-            report.lost(f"the {PLAN_NAMES[kind]}")
+            report.losses.append(f"the {PLAN_NAMES[kind]}")
     _report_lost(areas, report)
     polygon = next((polygon for polygon in areas.polygons if polygon.inclusion), None)
     if polygon is None:
         raise PlanFileError("this format holds one polygon to stay in, and the plan has none: use .waypoints")
     place = areas.return_points[0].place if areas.return_points else _middle(polygon.vertices)
     if not areas.return_points:
-        report.note(
+        report.notes.append(
             "the plan has no return point, which this format needs: the middle of the polygon was written"
         )
     points = (place, *polygon.vertices, polygon.vertices[0])
@@ -79,7 +79,7 @@ def write(plan: PlanFile, report: Report) -> str:
 
 def _report_lost(areas: FenceAreas, report: Report) -> None:
     for index, problem in areas.leftovers:
-        report.lost(f"fence item {index}: {problem}")
+        report.losses.append(f"fence item {index}: {problem}")
     inclusions = [polygon for polygon in areas.polygons if polygon.inclusion]
     lost = {
         "polygons to stay out of": len(areas.polygons) - len(inclusions),
@@ -90,9 +90,9 @@ def _report_lost(areas: FenceAreas, report: Report) -> None:
     }
     for label, count in lost.items():
         if count:
-            report.lost(f"{label} ({count}), only one polygon to stay in and a return point")
+            report.losses.append(f"{label} ({count}), only one polygon to stay in and a return point")
     if any(point.altitude for point in areas.return_points[:1]):
-        report.lost("the altitude of the return point")
+        report.losses.append("the altitude of the return point")
 
 
 def _middle(vertices: tuple[Point, ...]) -> Point:

@@ -79,14 +79,6 @@ class Report:
         self.losses: list[str] = []
         self.notes: list[str] = []
 
-    def lost(self, text: str) -> None:
-        """Report a part of the plan that the file does not hold."""
-        self.losses.append(text)
-
-    def note(self, text: str) -> None:
-        """Report a value in the file that is not in the plan."""
-        self.notes.append(text)
-
 
 def lines_of(text: str, name: str = "") -> Iterator[Line]:
     """Yield the lines with content: words separated by blanks, tabs or commas, without comments (`#`).

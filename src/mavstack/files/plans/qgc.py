@@ -210,17 +210,19 @@ def _assumed_home(plan: PlanFile, report: Report) -> Home:
     places = ((item.param5, item.param6) for item in plan.mission.items if item.frame != FRAME.MISSION)
     place = next((place for place in places if any(place) and all(map(isfinite, place))), (0.0, 0.0))
     if len(plan.mission):
-        report.note("the mission has no home, which this format needs: its first position was written")
+        report.notes.append(
+            "the mission has no home, which this format needs: its first position was written"
+        )
     return Home(*place)
 
 
 def _fence_json(plan: PlanFile, report: Report) -> dict[str, Any]:
     areas = fence_areas(plan.fence.items)
     for index, problem in areas.leftovers:
-        report.lost(f"fence item {index}: {problem}")
+        report.losses.append(f"fence item {index}: {problem}")
     for index, item in enumerate(plan.fence.items):
         if item.param2:
-            report.lost(f"the inclusion group of fence item {index}")
+            report.losses.append(f"the inclusion group of fence item {index}")
     fence: dict[str, Any] = {
         "circles": [
             {
@@ -243,9 +245,9 @@ def _fence_json(plan: PlanFile, report: Report) -> dict[str, Any]:
     for point in areas.return_points[:1]:
         fence["breachReturn"] = [*_place_json(point.place), as_json(point.altitude)]
         if point.frame != FRAME.GLOBAL_RELATIVE_ALT and point.altitude:
-            report.lost("that the altitude of the return point is not relative to home")
+            report.losses.append("that the altitude of the return point is not relative to home")
     if len(areas.return_points) > 1:
-        report.lost("return points but the first")
+        report.losses.append("return points but the first")
     return fence
 
 
@@ -253,12 +255,12 @@ def _rally_json(plan: PlanFile, report: Report) -> list[list[Any]]:
     points = []
     for index, item in enumerate(plan.rally.items):
         if item.command != CMD.NAV_RALLY_POINT:
-            report.lost(f"rally point {index}, a {item.name}")
+            report.losses.append(f"rally point {index}, a {item.name}")
             continue
         if item.frame != FRAME.GLOBAL_RELATIVE_ALT:
-            report.lost(f"that the altitude of rally point {index} is not relative to home")
+            report.losses.append(f"that the altitude of rally point {index} is not relative to home")
         if any((item.param1, item.param2, item.param3, item.param4)):
-            report.lost(f"params 1 to 4 of rally point {index}")
+            report.losses.append(f"params 1 to 4 of rally point {index}")
         points.append([*_place_json((item.param5, item.param6)), as_json(item.param7)])
     return points
 

@@ -184,7 +184,7 @@ def _simple_json(jump_id: int, item: MissionItem, report: Report) -> dict[str, A
     first = item.param1 + 1 if item.command == CMD.DO_JUMP else item.param1
     values = (first, *params_of(item)[1:])
     if any(map(isinf, values)):
-        report.lost(f"the infinite params of mission item {jump_id}")
+        report.losses.append(f"the infinite params of mission item {jump_id}")
     return {
         "autoContinue": item.autocontinue,
         "command": int(item.command),

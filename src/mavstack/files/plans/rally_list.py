@@ -54,7 +54,7 @@ def write(plan: PlanFile, report: Report) -> str:
     """Write the rally points as text; `report` collects the losses."""
     for kind in plan.kinds:
         if kind != plan.rally.type:
-            report.lost(f"the {PLAN_NAMES[kind]}")
+            report.losses.append(f"the {PLAN_NAMES[kind]}")
     if not len(plan.rally):
         raise PlanFileError("this format holds rally points, and the plan has none")
     return "".join(_text(index, item, report) for index, item in enumerate(plan.rally.items))
@@ -90,10 +90,10 @@ def _text(index: int, item: MissionItem, report: Report) -> str:
     frame = plain_frame(item.frame)
     named = next((name for name, known in _FRAMES.items() if known == frame), None)
     if item.command != CMD.NAV_RALLY_POINT or named is None:
-        report.lost(f"rally point {index}, a {item.name} in frame {frame}")
+        report.losses.append(f"rally point {index}, a {item.name} in frame {frame}")
         return ""
     if any((item.param1, item.param2, item.param3, item.param4)):
-        report.lost(f"params 1 to 4 of rally point {index}")
+        report.losses.append(f"params 1 to 4 of rally point {index}")
     flags = 0 if frame == FRAME.GLOBAL_RELATIVE_ALT else _FRAME_VALID | named << _FRAME_SHIFT
     place = " ".join(number_text(value) for value in (item.param5, item.param6, item.param7))
     return f"RALLY {place} 0 0 {flags}\n"

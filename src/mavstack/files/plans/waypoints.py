@@ -113,14 +113,14 @@ def write(plan: PlanFile, report: Report) -> str:
     """Write one plan as text, the mission if there is one; `report` collects the losses."""
     kinds = plan.kinds or (PlanType.MISSION,)
     for kind in kinds[1:]:
-        report.lost(f"the {PLAN_NAMES[kind]}, as this format holds one type of plan")
+        report.losses.append(f"the {PLAN_NAMES[kind]}, as this format holds one type of plan")
     items = plan.plan(kinds[0]).items
     if kinds[0] == PlanType.MISSION:
         numbered = list(enumerate((home_item(plan.home), *with_jumps_shifted(items, 1))))
         numbered = numbered if items or plan.home else []
     else:
         if plan.home is not None:
-            report.note(f"a file of a {PLAN_NAMES[kinds[0]]} has no home in this format")
+            report.notes.append(f"a file of a {PLAN_NAMES[kinds[0]]} has no home in this format")
         numbered = list(enumerate(items, 1))
     return "".join(["QGC WPL 110\n", *(_text(seq, item, report) for seq, item in numbered)])
 
@@ -186,6 +186,6 @@ def _text(seq: int, item: MissionItem, report: Report) -> str:
     head = (seq, int(seq == 0), plain_frame(item.frame), int(item.command))
     params = params_of(item)
     if any(map(isinf, params)):
-        report.lost(f"the infinite params of item {seq}")
+        report.losses.append(f"the infinite params of item {seq}")
     values = [number_text(nan if isinf(value) else value) for value in params]
     return "\t".join([*map(str, head), *values, str(int(item.autocontinue))]) + "\n"

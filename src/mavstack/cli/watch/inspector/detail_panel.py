@@ -16,7 +16,6 @@ from mavstack.cli.watch.inspector.row_list import RowList
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-    from mavstack.cli.watch.inspector.comparison import ComparisonRow
     from mavstack.cli.watch.inspector.field_table import FieldName, FieldRow
     from mavstack.cli.watch.inspector.model import Inspector
     from mavstack.cli.watch.inspector.packet_store import StoredPacket
@@ -50,7 +49,10 @@ class DetailPanel(Vertical):
         with ContentSwitcher(initial="fields", id="views"):
             yield RowList(lines.field_heading, self._field_line, lambda row: row.name, id="fields")
             yield RowList(
-                self._comparison_heading, self._comparison_line, lambda row: row.name, id="comparison"
+                lambda width: lines.comparison_heading(self._compared, width, self._first_compared),
+                lambda row, width: lines.comparison_line(row, width, self._first_compared),
+                lambda row: row.name,
+                id="comparison",
             )
             yield RowList(
                 lines.packet_heading,
@@ -132,9 +134,3 @@ class DetailPanel(Vertical):
 
     def _field_line(self, row: FieldRow, width: int) -> Text:
         return lines.field_line(row, width, self._colours.get(row.name))
-
-    def _comparison_heading(self, width: int) -> Text:
-        return lines.comparison_heading(self._compared, width, self._first_compared)
-
-    def _comparison_line(self, row: ComparisonRow, width: int) -> Text:
-        return lines.comparison_line(row, width, self._first_compared)

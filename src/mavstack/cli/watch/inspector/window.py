@@ -102,7 +102,12 @@ class InspectorWindow(App[int]):
         with Horizontal():
             with Vertical(id="lists"):
                 yield RowList(lines.source_heading, self._source_line, lambda row: row.key, id="sources")
-                yield RowList(self._message_heading, self._message_line, _message_key, id="messages")
+                yield RowList(
+                    lambda width: lines.message_heading(width, self._source_width),
+                    lambda row, width: lines.message_line(row, width, self._source_width),
+                    _message_key,
+                    id="messages",
+                )
                 yield Input(placeholder="part of a name, or GPS*", id="search", compact=True)
             yield DetailPanel(self.inspector)
         yield Input(id="path", compact=True)
@@ -164,12 +169,6 @@ class InspectorWindow(App[int]):
         if scope is not None and scope.key == row.key:
             line.stylize("reverse")
         return line
-
-    def _message_heading(self, width: int) -> Text:
-        return lines.message_heading(width, self._source_width)
-
-    def _message_line(self, row: MessageRow, width: int) -> Text:
-        return lines.message_line(row, width, self._source_width)
 
     def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
         """Offer the keys of the plot and of the packets only where they do something."""
