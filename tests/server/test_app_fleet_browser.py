@@ -86,6 +86,28 @@ def test_a_show_is_checked_and_played(page) -> None:
     playwright.expect(panel.get_by_role("alert")).to_contain_text("m apart at")
 
 
+def test_a_show_is_flown_waits_and_is_stopped(page) -> None:
+    page.get_by_label("Open a show").set_input_files(
+        {"name": "circle.skyc", "mimeType": "application/zip", "buffer": skyc(3, radius=20.0)}
+    )
+    panel = page.get_by_role("region", name="Show")
+    fly = panel.get_by_role("button", name="Fly the show")
+    playwright.expect(panel).to_contain_text("The show needs 3 vehicles; 0 chosen.")
+    playwright.expect(fly).to_be_disabled()
+    for box in panel.get_by_role("group", name="Vehicles that fly it").get_by_role("checkbox").all():
+        box.check()
+    panel.get_by_label("Arm and take off first").check()
+    hold(page, fly)
+    playwright.expect(panel).to_contain_text("The show is flown.", timeout=60_000)
+    panel.get_by_role("button", name="Wait").click()
+    playwright.expect(panel).to_contain_text("The show waits", timeout=20_000)
+    hold(page, panel.get_by_role("button", name="Continue"))
+    playwright.expect(panel).to_contain_text("The show is flown.", timeout=20_000)
+    panel.get_by_role("button", name="Stop the show").click()
+    playwright.expect(panel.get_by_role("button", name="Fly the show")).to_be_visible(timeout=20_000)
+    panel.get_by_role("button", name="Close the show").click()
+
+
 def test_a_simulator_is_started_disturbed_and_stopped(world) -> None:
     url, new_page = world
     page = new_page(f"{url}#/fly", phone=True, dark=False)

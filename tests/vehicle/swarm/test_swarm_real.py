@@ -15,6 +15,8 @@ from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.swarm.courses import Turn
 from mavstack.vehicle import connect
+from mavstack.vehicle.swarm.fleet import read_states
+from mavstack.vehicle.swarm.member import Member
 from tests.simulators.firmwares import free_port
 
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(300)]
@@ -78,16 +80,13 @@ async def lead(vehicle, seconds, rate):
 
 async def gaps(leader, follower, seconds):
     """Return the distances of a follower from the place 10 m behind its leader's course."""
-    found = []
+    vehicles, found = [Member(leader), Member(follower)], []
     for _ in range(round(10 * seconds)):
         await asyncio.sleep(0.1)
-        places = [
-            np.array(FRAME.to_local(each.position.latitude, each.position.longitude, 0.0)[:2])
-            for each in (leader, follower)
-        ]
-        motion = np.array((leader.velocity.north, leader.velocity.east))
-        slot = places[0] - 10.0 * motion / np.linalg.norm(motion)
-        found.append(float(np.linalg.norm(places[1] - slot)))
+        states = read_states(vehicles, FRAME, leader.connection.now())
+        motion = states.velocities[0, :2]
+        slot = states.positions[0, :2] - 10.0 * motion / np.linalg.norm(motion)
+        found.append(float(np.linalg.norm(states.positions[1, :2] - slot)))
     return found
 
 

@@ -120,7 +120,7 @@ class SwarmView {
 
   /** Lets the flight wait on its way, or go on. */
   async pause(paused: boolean): Promise<void> {
-    this.state = await api.post<SwarmState>(paused ? 'swarm/pause' : 'swarm/resume', {});
+    this.state = await api.post<SwarmState>(paused ? 'swarm/pause' : 'swarm/resume');
   }
 
   async end(): Promise<void> {
