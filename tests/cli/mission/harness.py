@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.cli.common import connection
 from mavstack.cli.mission import show, transfer
 from mavstack.links import MemoryNetwork
 from mavstack.sim.runner import Runner
@@ -53,5 +54,5 @@ class CommandTarget:
 def run_commands_on(
     monkeypatch: pytest.MonkeyPatch, run_on_vehicle: Callable[[Namespace, Work], int]
 ) -> None:
-    monkeypatch.setattr(transfer, "run_on_vehicle", run_on_vehicle)
-    monkeypatch.setattr(show, "run_on_vehicle", run_on_vehicle)
+    for module in (connection, transfer, show):
+        monkeypatch.setattr(module, "run_on_vehicle", run_on_vehicle)

@@ -91,7 +91,7 @@ export const plan = {
   patternSummary:
     '{lanes, one: # lane, other: # lanes}, {distance}, {pictures, one: # picture, other: # pictures}, {area}',
   division: 'Divide among vehicles',
-  divide: 'Divide among {count} vehicles',
+  divide: 'Divide among {count, one: # vehicle, other: # vehicles}',
   divideChoose: 'Choose two vehicles or more',
   divisionUnknown: 'Vehicle',
   divisionShare: '{name}: {lanes, one: # lane, other: # lanes}, {length}, at {altitude}',

@@ -43,6 +43,7 @@ export const setup = {
     'The browser writes the firmware by USB, without the station. It does not save parameters: save them under ' +
     'Parameters before. A board that loses its power stays in its bootloader, and can be flashed again.',
   usbFile: 'File for the board',
+  usbFileHint: '.px4 or .apj',
   usbConnect: 'Choose the port of the board',
   usbBoard: 'Bootloader (revision {revision}) of {board}, {size} kB for the firmware',
   usbVehicle: 'The autopilot of vehicle {system} runs at this port.',
