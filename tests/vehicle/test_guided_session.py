@@ -167,7 +167,7 @@ def test_each_kind_of_setpoint():
             guided.goto(47.5, 8.25, 30)
             await asyncio.sleep(0.2)
             far = setpoints(harness)[-1]
-            assert (far.lat_int, far.lon_int, far.alt) == (475000000, 82500000, 30)
+            assert (far.lat_int, far.lon_int, far.alt) == (475000000, 82500000, 518)  # home is at 488 m
             guided.attitude(roll=0, pitch=0, yaw=90, thrust=0.5)
             await asyncio.sleep(0.2)
             attitude = setpoints(harness)[-1]
@@ -179,6 +179,24 @@ def test_each_kind_of_setpoint():
             assert setpoints(harness)[-1].thrust == 0.5  # refused setpoints change nothing
 
     run_scenario(scenario)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "frame", "altitude"),
+    [(PX4, common.MavFrame.GLOBAL_INT, 518), (ARDUPILOT, common.MavFrame.GLOBAL_RELATIVE_ALT_INT, 30)],
+    ids=["px4", "ardupilot"],
+)
+def test_px4_gets_altitudes_above_the_sea(autopilot, frame, altitude):
+    """It converts heights above home wrongly; home is 488 m above the sea."""
+
+    async def scenario(harness):
+        async with harness.vehicle.guided() as guided:
+            guided.goto(47.5, 8.25, 30)
+            await asyncio.sleep(0.2)
+            far = setpoints(harness)[-1]
+            assert (far.coordinate_frame, far.alt) == (frame, altitude)
+
+    run_scenario(scenario, autopilot=autopilot)
 
 
 def test_it_begins_with_the_setpoint_that_it_was_given():

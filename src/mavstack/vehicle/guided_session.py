@@ -185,7 +185,8 @@ class GuidedSession(ReadOnly):
             RemoteCancelled: The connection was closed.
         """
         check_numbers(finite=False, latitude=latitude, longitude=longitude, altitude=altitude, yaw=yaw)
-        self.set(GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw)))
+        setpoint = GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw))
+        self.set(firmware_of(self._vehicle).place_setpoint(setpoint))
 
     def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
         """Hold an attitude (SET_ATTITUDE_TARGET).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import nan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -126,6 +127,20 @@ class Px4(Firmware):
             return
         if None in _position_of(setpoint):
             raise self.unsupported("follow setpoints of velocities", _NO_VELOCITIES)
+
+    def place_setpoint(self, setpoint: GlobalSetpoint) -> GlobalSetpoint:
+        """Return the setpoint with its altitude above mean sea level, if a position shows the height of home.
+
+        PX4 (1.17) adds the difference between home and the origin of its local frame with the wrong sign to
+        altitudes above home.
+        """
+        place = self.vehicle.position
+        if setpoint.altitude is None or place is None:
+            return setpoint
+        if place.altitude is None or place.relative_altitude is None:
+            return setpoint
+        altitude = setpoint.altitude + place.altitude - place.relative_altitude
+        return replace(setpoint, altitude=altitude, frame=common.MavFrame.GLOBAL)
 
     async def check_circle(self, radius: float, *, orbit: bool) -> None:
         """Raise for a radius in `goto`, which DO_REPOSITION ignores; DO_ORBIT has one."""
