@@ -30,9 +30,9 @@ MAX_STATES = 64
 MIN_SWITCHES = 4
 #: The largest number of paths; states on more paths are noise.
 MAX_PATHS = 4
-#: Metres, and metres per second added to the speed, by which positions of one vehicle may differ.
+#: Uncertainty of a position in metres, and of a speed in m/s, when two positions are compared.
 POSITION_TOLERANCE, SPEED_TOLERANCE = 20.0, 10.0
-#: Degrees, and degrees per second added to the rate, by which headings of one vehicle may differ.
+#: Uncertainty of a heading in degrees, and of a turn rate in degrees/s, when two headings are compared.
 HEADING_TOLERANCE, RATE_TOLERANCE = 40.0, 60.0
 #: Degrees of roll or pitch above which a heading has no meaning.
 MAX_TILT = 45.0

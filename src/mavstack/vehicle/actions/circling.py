@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import Position
     from mavstack.vehicle.vehicle import Vehicle
 
-#: The largest ratio of the distances from the centre in one stretch of positions.
+#: The largest distance from the centre in a stretch of positions, divided by the smallest.
 _MAX_RATIO: Final = 1.3
 #: The angle of a stretch in degrees that shows a circle: the stretch of a straight pass sweeps less.
 QUARTER: Final = 90.0
