@@ -36,6 +36,30 @@ def page(world):
     return page
 
 
+def test_parameters_are_saved_and_firmware_is_checked(world) -> None:
+    # First: parameters are saved on the ground only, and the other tests leave the vehicles in the air.
+    url, new_page = world
+    page = new_page(f"{url}#/setup")
+
+    def unsaved(route) -> None:
+        answer = route.fetch()
+        found = answer.json()
+        if "parameters" in found:
+            found["parameters"][0]["saved"] = False
+        route.fulfill(json=found, status=answer.status)
+
+    page.route(re.compile("/api/tasks/[0-9]+/result"), unsaved)
+    page.get_by_text("1 parameter is not yet saved").wait_for(timeout=60_000)
+    page.get_by_role("button", name="Save", exact=True).click()
+    playwright.expect(page.get_by_text("The parameters are saved on the vehicle.")).to_be_visible()
+    playwright.expect(page.get_by_text("not yet saved")).to_have_count(0)
+    page.get_by_role("button", name="Firmware", exact=True).click()
+    damaged = {"name": "copter.apj", "mimeType": "", "buffer": b"junk"}
+    page.get_by_label("File of the firmware").set_input_files([damaged])
+    playwright.expect(page.get_by_role("alert")).to_contain_text("copter.apj")
+    playwright.expect(page.get_by_role("button", name="Flash", exact=True)).to_be_disabled()
+
+
 def test_a_formation_is_flown_and_stopped(page) -> None:
     page.get_by_role("spinbutton", name="Spacing").fill("12")
     page.get_by_role("spinbutton", name="Altitude").fill("15")
@@ -132,26 +156,3 @@ def test_a_simulator_is_started_disturbed_and_stopped(world) -> None:
     playwright.expect(simulator.get_by_role("button", name="gps-lost")).to_have_count(0)
     simulator.get_by_role("button", name="Stop simulator 1").click()
     playwright.expect(simulator).to_have_count(0)
-
-
-def test_parameters_are_saved_and_firmware_is_checked(world) -> None:
-    url, new_page = world
-    page = new_page(f"{url}#/setup")
-
-    def unsaved(route) -> None:
-        answer = route.fetch()
-        found = answer.json()
-        if "parameters" in found:
-            found["parameters"][0]["saved"] = False
-        route.fulfill(json=found, status=answer.status)
-
-    page.route(re.compile("/api/tasks/[0-9]+/result"), unsaved)
-    page.get_by_text("1 parameter is not yet saved").wait_for(timeout=60_000)
-    page.get_by_role("button", name="Save", exact=True).click()
-    playwright.expect(page.get_by_text("The parameters are saved on the vehicle.")).to_be_visible()
-    playwright.expect(page.get_by_text("not yet saved")).to_have_count(0)
-    page.get_by_role("button", name="Firmware", exact=True).click()
-    damaged = {"name": "copter.apj", "mimeType": "", "buffer": b"junk"}
-    page.get_by_label("File of the firmware").set_input_files([damaged])
-    playwright.expect(page.get_by_role("alert")).to_contain_text("copter.apj")
-    playwright.expect(page.get_by_role("button", name="Flash", exact=True)).to_be_disabled()
