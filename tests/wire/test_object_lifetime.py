@@ -304,3 +304,26 @@ def test_messages_whose_class_was_assigned_are_freed():
         del message, other
     assert freed == list(range(100))
     assert [common.Attitude(roll=number).roll for number in range(100)] == list(range(100))
+
+
+def test_each_message_of_a_class_with_a_finalizer_is_finalized(monkeypatch):
+    freed: list[float] = []
+    monkeypatch.setattr(common.Attitude, "__del__", lambda self: freed.append(self.roll), raising=False)
+    for number in range(10):
+        common.Attitude(roll=number)
+    assert freed == list(range(10))
+
+
+def test_a_message_that_a_finalizer_keeps_is_not_overwritten(monkeypatch):
+    def keep(message):
+        kept.append(message)
+
+    kept: list[common.Attitude] = []
+    monkeypatch.setattr(common.Attitude, "__del__", keep, raising=False)
+    for number in range(10):
+        common.Attitude(roll=number)
+    monkeypatch.undo()
+    others = [common.Attitude(roll=50) for _ in range(20)]
+    assert [message.roll for message in kept] == list(range(10))
+    kept.clear()
+    assert {message.roll for message in others} == {50}

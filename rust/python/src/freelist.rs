@@ -126,7 +126,9 @@ pub unsafe fn release_message(object: *mut ffi::PyObject) {
     // SAFETY: guaranteed by the caller.
     unsafe {
         let length = (*object.cast::<ffi::PyVarObject>()).ob_size as usize;
-        if !MESSAGES.get(steps(length)).is_some_and(|list| list.push(object)) {
+        // The header of the collector keeps the mark of a called `__del__`, which the next object would inherit.
+        let is_reusable = ffi::PyObject_GC_IsFinalized(object) == 0;
+        if !(is_reusable && MESSAGES.get(steps(length)).is_some_and(|list| list.push(object))) {
             ffi::PyObject_GC_Del(object.cast());
         }
     }
