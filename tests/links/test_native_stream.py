@@ -8,11 +8,12 @@ import os
 import socket
 from contextlib import asynccontextmanager
 from time import sleep, time
+from types import SimpleNamespace
 
 import pytest
 
 from mavstack.dialects import common
-from mavstack.links import ChannelClosed
+from mavstack.links import ChannelClosed, native_stream
 from mavstack.links.native_stream import StreamReading
 from mavstack.node import Node
 from mavstack.security import SigningKey
@@ -197,3 +198,23 @@ async def test_a_key_returns_the_stream_to_the_event_loop(tmp_path):
         signed = Encoder(1, 1, signing=key.signing())
         await vehicle.write(signed.encode(common.VfrHud(heading=5), time()))
         await wait_until(lambda: received)
+
+
+@pytest.mark.parametrize("stream", STREAMS)
+@pytest.mark.parametrize("step", ["dup", "isatty"])
+async def test_the_event_loop_reads_a_stream_for_which_no_descriptor_is_left(
+    stream, step, tmp_path, monkeypatch
+):
+    def refuse(descriptor):
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    monkeypatch.setattr(native_stream, "os", SimpleNamespace(**(vars(os) | {step: refuse})))
+    async with vehicle_on(stream, tmp_path) as (node, vehicle), node.events(ChannelClosed) as events:
+        received = []
+        node.add_listener(common.VfrHud, received.append)
+        await vehicle.send(*[common.VfrHud(heading=number) for number in range(100)])
+        await wait_until(lambda: len(received) == 100)
+        assert node.links[0].counters.bytes_in == vehicle.written
+        os.close(vehicle.descriptor)
+        vehicle.descriptor = -1
+        await asyncio.wait_for(anext(events), 20)

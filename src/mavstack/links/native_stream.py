@@ -2,7 +2,8 @@
 
 Streams are TCP connections, Unix sockets and serial ports. The event loop continues to write, and to close.
 While the program has too many packets to handle, the thread does not read, so that the system slows down the
-peer and nothing is lost. When the stream ends, the event loop reads again, and finds the end.
+peer and nothing is lost. When the stream ends, the event loop reads again, and finds the end; it also reads
+if the system has no descriptor left for the thread.
 """
 
 from __future__ import annotations
@@ -40,14 +41,15 @@ class StreamReading:
         self._channel = channel
         self._intake = intake
         self.number = number
-        # Event loops watch no descriptor that a transport has.
-        self._descriptor: int | None = os.dup(descriptor)
+        self._descriptor: int | None = None
         self._is_watched = False
         try:
+            # Event loops watch no descriptor that a transport has.
+            self._descriptor = os.dup(descriptor)
             intake.add_stream(number, descriptor, os.isatty(descriptor))
         except OSError:
             self.stop()
-            raise
+            channel.read_itself()
 
     @classmethod
     def attach(
