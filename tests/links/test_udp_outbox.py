@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import errno
 import os
 import socket
 
@@ -138,3 +140,47 @@ async def test_a_datagram_that_is_written_alone_waits_too_if_it_must(slow):
         await wait_until(lambda: sender_of(link))
         sender_of(link).room = 2
         await wait_until(lambda: sender_of(link).sent == [b"1", b"2"])
+
+
+async def test_datagrams_leave_one_by_one_if_no_descriptor_is_left(monkeypatch):
+    def refuse(descriptor):
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    monkeypatch.setattr(udp_outbox, "DatagramSender", refuse)
+    peer = UdpPeer()
+    async with open_link(f"udpout://127.0.0.1:{peer.port}") as link:
+        channel = await opened(link)
+        write_together(link, channel, [b"1", bytes(70_000), b"2"])
+        assert [await peer.receive(1), await peer.receive(1)] == [b"1", b"2"]
+        assert (channel.counters.chunks_out, channel.counters.dropped_out) == (2, 1)
+    await peer.close()
+
+
+async def test_many_refused_datagrams_cost_a_bounded_time_each(monkeypatch):
+    passed = []
+
+    class Refusing(SlowSender):
+        def send(self, datagrams):
+            passed.append(len(datagrams))
+            return 0, False
+
+    monkeypatch.setattr(udp_outbox, "DatagramSender", Refusing)
+    async with open_link("udpout://127.0.0.1:9") as link:
+        channel = await opened(link)
+        write_together(link, channel, [b"x"] * 500)
+        assert len(passed) == channel.counters.dropped_out == 500
+        assert max(passed) <= udp_outbox.MAX_BATCH
+
+
+async def test_a_link_whose_closing_is_cancelled_keeps_no_socket(slow):
+    link = await open_link("udpout://127.0.0.1:9")
+    channel = await opened(link)
+    sock = link._socket
+    write_together(link, channel, [b"1"])
+    closing = asyncio.create_task(link.close())
+    await wait_until(lambda: link._outbox is None)
+    closing.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await closing
+    assert sock.fileno() == -1
+    assert link.counters.dropped_out == 1

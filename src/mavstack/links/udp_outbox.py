@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack._core import DatagramSender
+from mavstack.links.address import Address
 
 if TYPE_CHECKING:
     import socket
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 
 #: Seconds between two attempts while the outbox closes.
 CLOSE_INTERVAL: Final = 0.01
+#: Maximum number of datagrams sent together: the core sends as many by one system call.
+MAX_BATCH: Final = 64
+
+Datagram: TypeAlias = tuple[bytes, Address]
 
 
 class UdpOutbox:
@@ -40,7 +45,7 @@ class UdpOutbox:
         self._sender: DatagramSender | None = None
         self._loop = asyncio.get_running_loop()
         self._is_held = False
-        self._waiting: list[tuple[bytes, tuple[object, ...]]] = []
+        self._waiting: list[Datagram] = []
         self._channels: list[UdpChannel] = []
         #: Waiting bytes of each channel while the system accepts none; None: it accepts more.
         self._blocked: Counter[UdpChannel] | None = None
@@ -48,12 +53,10 @@ class UdpOutbox:
     def send(self, data: Data, channel: UdpChannel) -> bool:
         """Send a datagram to a channel's peer, or let it wait; return false if it is dropped."""
         if not self._is_held and self._blocked is None:
-            try:
-                return self._socket.sendto(data, channel.address) >= 0
-            except BlockingIOError:
-                self._note_blocked(is_blocked=True)
-            except OSError:
-                return False
+            count, is_full = self._send_one(data, channel.address)
+            if not is_full:
+                return count > 0
+            self._note_blocked(is_blocked=True)
         if self._blocked is not None:
             if self._blocked[channel] + len(data) > self._limit:
                 return False
@@ -74,16 +77,35 @@ class UdpOutbox:
 
     def _flush(self) -> None:
         """Send what waits, as far as the system accepts it."""
-        if self._sender is None:
-            self._sender = DatagramSender(self._socket.fileno())
-        is_full = False
-        while self._waiting and not is_full:
-            count, is_full = self._sender.send(self._waiting)
-            if count < len(self._waiting) and not is_full:
-                self._drop(self._channels[count], len(self._waiting[count][0]))
-                count += 1
-            del self._waiting[:count], self._channels[:count]
+        done, is_full = 0, False
+        while done < len(self._waiting) and not is_full:
+            batch = self._waiting[done : done + MAX_BATCH]
+            count, is_full = self._send_batch(batch)
+            done += count
+            if count < len(batch) and not is_full:
+                self._drop(self._channels[done], len(batch[count][0]))
+                done += 1
+        del self._waiting[:done], self._channels[:done]
         self._note_blocked(is_blocked=is_full)
+
+    def _send_batch(self, datagrams: list[Datagram]) -> tuple[int, bool]:
+        """Send datagrams until one is refused; return their number, and whether the system is full."""
+        if self._sender is None:
+            try:
+                self._sender = DatagramSender(self._socket.fileno())
+            except OSError:  # the system has no descriptor left
+                return self._send_one(*datagrams[0])
+        return self._sender.send(datagrams)
+
+    def _send_one(self, data: Data, address: Address) -> tuple[int, bool]:
+        """Send a datagram, as `_send_batch` does."""
+        try:
+            self._socket.sendto(data, address)
+        except BlockingIOError:
+            return 0, True
+        except OSError:
+            return 0, False
+        return 1, False
 
     def _drop(self, channel: UdpChannel, size: int) -> None:
         """Count a datagram as dropped that was counted as sent."""
@@ -108,8 +130,13 @@ class UdpOutbox:
     async def close(self, timeout: float) -> None:  # noqa: ASYNC109 (how long datagrams may still leave)
         """Send what waits for up to a time, and close the socket; what is left is dropped and counted."""
         end = self._loop.time() + timeout
-        while self._waiting and self._loop.time() < end:  # noqa: ASYNC110 (rare, and bounded)
-            await asyncio.sleep(CLOSE_INTERVAL)  # the event loop watches the socket
+        try:
+            while self._waiting and self._loop.time() < end:  # noqa: ASYNC110 (rare, and bounded)
+                await asyncio.sleep(CLOSE_INTERVAL)  # the event loop watches the socket
+        finally:
+            self._close()
+
+    def _close(self) -> None:
         for (data, _), channel in zip(self._waiting, self._channels, strict=True):
             self._drop(channel, len(data))
         self._waiting.clear()
