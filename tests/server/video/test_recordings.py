@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
 from time import time
 
 import pytest
 
-from mavstack.errors import LinkError, LogError
+from mavstack.errors import InvalidArgumentError, LinkError, LogError
 from mavstack.http.bodies import RefusedError
-from mavstack.server.video.addresses import read_address
-from mavstack.server.video.recordings import VideoRecordings, label_of, redacted
+from mavstack.server.video.addresses import read_address, redacted
+from mavstack.server.video.recordings import VideoRecordings, label_of
 from mavstack.sim.payloads.picture import read_time
 
 aiortc = pytest.importorskip("aiortc")
@@ -164,8 +165,92 @@ async def test_refusals_leave_no_file(tmp_path, monkeypatch):
         await VideoRecordings(lambda: gateway, None).start(read_address("rtsp://127.0.0.1:9/none"), "x", "x")
 
 
+class Scripted:
+    """A gateway whose camera gives nothing, or has ended already."""
+
+    def __init__(self, *, is_live=True):
+        self.is_live, self.codec, self.opened, self.released = is_live, "h264", 0, asyncio.Event()
+
+    @asynccontextmanager
+    async def camera(self, _address):
+        self.opened += 1
+        await self.released.wait()
+        yield self
+
+    def subscribe(self, *, buffered):
+        return self
+
+    def stop(self):
+        """Do nothing."""
+
+    async def recv(self):
+        await asyncio.Event().wait()
+
+
+async def test_a_recording_that_begins_is_ended_by_the_close_of_the_station(tmp_path):
+    gateway = Scripted()
+    recordings = VideoRecordings(lambda: gateway, tmp_path)
+    starting = asyncio.create_task(recordings.start(read_address("5600"), "5600", "x"))
+    await wait_until(lambda: gateway.opened)
+    await recordings.close()
+    with pytest.raises(LogError, match="stopped before the camera was open"):
+        await starting
+    assert recordings.list() == []
+
+
+@pytest.mark.parametrize("is_live", [True, False])
+async def test_a_beginning_without_a_file_is_an_error(tmp_path, monkeypatch, is_live):
+    def fail(*_):
+        raise LogError("cannot create x: Permission denied")
+
+    gateway = Scripted(is_live=is_live)
+    gateway.released.set()
+    monkeypatch.setattr("mavstack.server.video.recordings._new_path", fail)
+    recordings = VideoRecordings(lambda: gateway, tmp_path)
+    expected = (
+        pytest.raises(LogError, match="cannot create") if is_live else pytest.raises(LinkError, match="ended")
+    )
+    with expected:
+        await recordings.start(read_address("5600"), "5600", "x")
+    assert recordings.list() == []
+
+
+async def test_a_file_that_is_removed_is_followed_by_another_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "_CHECK_INTERVAL", 10)
+    async with studio(tmp_path) as (recordings, _, camera):
+        begun = await recordings.start(read_address(camera.url), camera.url, "x")
+        await grown(recordings, 0.2)
+        recordings.path(begun["name"]).unlink()
+        await wait_until(lambda: [each for each in recordings.list() if each["running"] and each["size"]])
+
+
+def test_a_folder_that_is_gone_is_an_error(tmp_path):
+    with pytest.raises(LogError, match="No such file"):
+        module.require_space(tmp_path / "gone")
+
+
+def test_links_to_other_files_are_neither_listed_nor_read(tmp_path):
+    (tmp_path / "secret").write_bytes(b"x")
+    folder = tmp_path / "videos"
+    folder.mkdir()
+    (folder / "a.mp4").symlink_to(tmp_path / "secret")
+    recordings = VideoRecordings(VideoGateway, folder)
+    assert recordings.list() == []
+    with pytest.raises(RefusedError, match="there is no video"):
+        recordings.path("a.mp4")
+
+
 def test_names_follow_from_vehicle_and_camera_and_leave_no_folder():
     assert label_of("copter", "1", "Front") == "copter-1-front"
     assert label_of("copter", "1", "../../etc/passwd") == "copter-1-etc-passwd"
     assert label_of("", "..") == "video"
-    assert redacted("rtsp://user:word@10.0.0.5/a") == "rtsp://***@10.0.0.5/a"
+
+
+def test_addresses_are_shown_without_their_secrets():
+    assert redacted(" rtsp://user:word@10.0.0.5/a ") == "rtsp://***@10.0.0.5/a"
+    assert redacted("rtsp://user:w@rd@10.0.0.5/a") == "rtsp://***@10.0.0.5/a"
+    assert redacted("rtsp://10.0.0.5/a?user=u&password=w") == "rtsp://10.0.0.5/a?user=u&password=***"
+    for text in ("rtsp://user:word/1@10.0.0.5/a", f"rtsp://user:{'word' * 30}@10.0.0.5:x/a"):
+        with pytest.raises(InvalidArgumentError) as refusal:
+            read_address(text)
+        assert "word" not in str(refusal.value)

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 from urllib.parse import urlsplit
 
 from mavstack.errors import InvalidArgumentError
+from mavstack.links.url import redact_options
 
 MAX_LENGTH: Final = 512
 _RTSP: Final = frozenset({"rtsp", "rtsps"})
@@ -88,5 +89,10 @@ def _description(host: str, port: int, *, is_h265: bool) -> str:
 
 
 def _refused(text: str, reason: str) -> InvalidArgumentError:
-    shown = re.sub(r"//[^/@]*@", "//***@", text[:80])
-    return InvalidArgumentError(f"playing {shown!r} failed: {reason}")
+    return InvalidArgumentError(f"playing {redacted(text)[:80]!r} failed: {reason}")
+
+
+def redacted(text: str) -> str:
+    """Return an address without user, password and secret options; the page has the same rule."""
+    # up to the last @, since a password may contain one
+    return redact_options(re.sub(r"//.*@", "//***@", text.strip()))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from aiortc.mediastreams import MediaStreamError
 
-from mavstack.errors import LogError, MavstackError
+from mavstack.errors import LinkError, LogError, MavstackError
 from mavstack.http.bodies import RefusedError
 from mavstack.server.video.video_file import VideoFile
 
@@ -65,18 +65,20 @@ class Recorder:
         """Open the camera and begin.
 
         Raises:
-            LinkError: The camera does not answer.
+            LinkError: The camera does not answer, or ends its stream at once.
             RefusedError: Too many cameras are open.
-            LogError: The disk is full.
+            LogError: The disk is full, the file cannot be made, or `stop` was called meanwhile.
         """
-        opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._task = asyncio.create_task(self._run(opened))
+        begun: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._task = asyncio.create_task(self._run(begun))
         try:
-            await asyncio.wait({opened, self._task}, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait({begun, self._task}, return_when=asyncio.FIRST_COMPLETED)
         except asyncio.CancelledError:
             await self.stop()
             raise
-        await (opened if opened.done() else self._task)
+        if not begun.done():
+            raise LogError("recording video failed: it was stopped before the camera was open")
+        await begun
 
     async def stop(self) -> None:
         """End the recording, and wait until its file is complete. Idempotent."""
@@ -85,39 +87,42 @@ class Recorder:
             with suppress(asyncio.CancelledError, MavstackError):
                 await self._task
 
-    async def _run(self, opened: asyncio.Future[None]) -> None:
+    async def _run(self, begun: asyncio.Future[None]) -> None:
         while True:
             try:
                 async with self._gateway.camera(self._address) as source:
                     self.problem = ""
-                    if not opened.done():
-                        opened.set_result(None)
-                    await self._record(source)
+                    await self._record(source, begun)
+                if not begun.done():
+                    raise LinkError("opening the camera failed: it ended its stream")
                 self.problem = "the camera ended its stream; it is opened again"
             except (MavstackError, RefusedError) as error:
                 self.problem = str(error)
-                if not opened.done():
-                    opened.set_exception(error)
+                if not begun.done():
+                    begun.set_exception(error)
                     return
                 if isinstance(error, LogError):
                     return
             await asyncio.sleep(RETRY_INTERVAL)
 
-    async def _record(self, source: CameraSource) -> None:
+    async def _record(self, source: CameraSource, begun: asyncio.Future[None]) -> None:
         """Write files until the camera ends its stream."""
-        track = source.subscribe()
+        # Pictures that wait for the encoder would fill the memory: those that it cannot take are dropped.
+        track = source.subscribe(buffered=bool(source.codec))
         try:
             while source.is_live:
-                await self._fill_file(track)
+                await self._fill_file(track, begun)
         except MediaStreamError:
             pass
         finally:
             track.stop()
 
-    async def _fill_file(self, track: object) -> None:
+    async def _fill_file(self, track: object, begun: asyncio.Future[None]) -> None:
         path = self._new_path()
         self._file = VideoFile(path)
         self.paths.append(path)
+        if not begun.done():
+            begun.set_result(None)
         loop = asyncio.get_running_loop()
         # One thread keeps the order: a file is closed after a write that was cancelled.
         with_disk = ThreadPoolExecutor(1, "video-recording")
@@ -139,12 +144,18 @@ class Recorder:
 def _is_complete(path: Path) -> bool:
     """Return whether a file has its maximum size; raises `LogError` if the disk is nearly full."""
     require_space(path.parent)
-    return path.is_file() and path.stat().st_size >= MAX_FILE
+    try:
+        return path.stat().st_size >= MAX_FILE
+    except OSError:
+        return True  # it was removed: the bytes that follow would be lost with it
 
 
 def require_space(folder: Path) -> None:
-    """Raise `LogError` if the disk is nearly full."""
-    free = shutil.disk_usage(folder).free
+    """Raise `LogError` if the disk is nearly full, or the folder is gone."""
+    try:
+        free = shutil.disk_usage(folder).free
+    except OSError as error:
+        raise LogError(f"recording video failed: {folder}: {error.strerror or error}") from None
     if free < MIN_FREE:
         raise LogError(
             f"recording video failed: {free >> 20} MiB are free on the disk, {MIN_FREE >> 20} stay free"

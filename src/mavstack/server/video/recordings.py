@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import LogError
 from mavstack.http.bodies import RefusedError
+from mavstack.server.video.addresses import redacted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +40,6 @@ class VideoRecordings:
         self._gateway = gateway
         self._folder = None if folder is None else Path(folder)
         self._recorders: dict[Recorder, str] = {}
-        self._starting = 0
 
     def list(self) -> list[dict[str, Any]]:
         """Return the files as JSON, by name."""
@@ -69,17 +69,17 @@ class VideoRecordings:
         from mavstack.server.video.recorder import Recorder, require_space
 
         self._recorders = {each: shown for each, shown in self._recorders.items() if each.running}
-        if len(self._recorders) + self._starting >= MAX_RUNNING:
+        if len(self._recorders) >= MAX_RUNNING:
             raise RefusedError(409, f"{MAX_RUNNING} cameras are recorded already: end one of the recordings")
         _make(folder)
         require_space(folder)
         recorder = Recorder(gateway, address, lambda: _new_path(folder, label))
-        self._starting += 1
+        self._recorders[recorder] = redacted(uri)
         try:
             await recorder.start()
-        finally:
-            self._starting -= 1
-        self._recorders[recorder] = redacted(uri)
+        except BaseException:
+            self._recorders.pop(recorder, None)
+            raise
         return self._values_of(recorder)
 
     async def stop(self, name: str) -> dict[str, Any]:
@@ -103,8 +103,8 @@ class VideoRecordings:
         return recorder is not None and recorder.paths[-1].name == name
 
     async def close(self) -> None:
-        """End all recordings."""
-        for recorder in self._recorders:
+        """End all recordings, also those that begin."""
+        for recorder in tuple(self._recorders):
             await recorder.stop()
 
     def _recorder_of(self, name: str) -> Recorder | None:
@@ -115,7 +115,7 @@ class VideoRecordings:
         return self._values(recorder.paths[-1], recorder)
 
     def _values(self, path: Path, recorder: Recorder | None = None) -> dict[str, Any]:
-        recorder = recorder or next((each for each in self._recorders if path in each.paths), None)
+        recorder = recorder or next((each for each in tuple(self._recorders) if path in each.paths), None)
         try:
             status = path.stat()
             size, modified = status.st_size, status.st_mtime
@@ -143,11 +143,6 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LogError(f"cannot open {folder}: {error.strerror or error}") from None
-
-
-def redacted(uri: str) -> str:
-    """Return an address without user and password."""
-    return re.sub(r"//[^/@]*@", "//***@", uri.strip())
 
 
 def label_of(*parts: str) -> str:

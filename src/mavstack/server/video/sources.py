@@ -61,9 +61,16 @@ class CameraSource:
         """True until the camera has ended its stream."""
         return bool(self._track.readyState == "live")
 
-    def subscribe(self) -> MediaStreamTrack:
-        """Return a track for one viewer."""
-        return self._relay.subscribe(self._track)
+    def subscribe(self, *, buffered: bool = True) -> MediaStreamTrack:
+        """Return a track for one viewer.
+
+        Args:
+            buffered: False: data that comes while the viewer asks for none is dropped.
+
+        Returns:
+            The track.
+        """
+        return self._relay.subscribe(self._track, buffered=buffered)
 
     async def close(self) -> None:
         """Close the camera; its thread may wait for a packet, so that another thread waits for its end."""

@@ -29,6 +29,7 @@ _OPTIONS: Final = {
 _ENCODER: Final = {"preset": "veryfast", "tune": "zerolatency", "crf": "23"}
 #: Pictures per second that the encoder assumes; the times of the pictures are those of the camera.
 _RATE: Final = 30
+_TIME_BASE: Final = Fraction(1, 90_000)
 #: Number of pictures between two that need no other: a file is cut only there.
 _KEY_INTERVAL: Final = 60
 
@@ -44,6 +45,8 @@ class VideoFile:
         self._path = path
         self._container: OutputContainer | None = None
         self._stream: VideoStream | None = None
+        #: The time of the first picture: a camera counts from its opening, which may be long ago.
+        self._first = 0
         self._last = -1
         #: Seconds of video in the file.
         self.seconds = 0.0
@@ -74,7 +77,7 @@ class VideoFile:
             return
         try:
             if self._stream is not None and self._stream.codec_context.is_open:
-                container.mux(self._stream.encode(None))
+                self._mux_encoded(container, self._stream.encode(None))
             container.close()
         except (OSError, ValueError, av.FFmpegError) as error:
             raise self._failure(error) from None
@@ -85,11 +88,12 @@ class VideoFile:
                 return  # nothing can be shown before
             self._container = self._open()
             self._stream = self._container.add_stream_from_template(packet.stream)
+            self._first = packet.pts or 0
         if self._stream is None or packet.pts is None:
             return
         # The packet belongs to the viewers too.
         copy = av.Packet(bytes(packet))
-        self._last = max(self._last + 1, packet.pts)
+        self._last = max(self._last + 1, packet.pts - self._first)
         copy.pts = copy.dts = self._last
         copy.time_base, copy.is_keyframe, copy.stream = packet.time_base, packet.is_keyframe, self._stream
         self.seconds = float(self._last * packet.time_base)
@@ -101,14 +105,21 @@ class VideoFile:
             self._stream = self._container.add_stream("libx264", rate=_RATE, options=_ENCODER)
             self._stream.width, self._stream.height = frame.width, frame.height
             self._stream.pix_fmt, self._stream.gop_size = "yuv420p", _KEY_INTERVAL
-            self._stream.codec_context.time_base = frame.time_base or Fraction(1, 90_000)
-        if self._stream is None or frame.pts is None or frame.pts <= self._last:
+            self._stream.codec_context.time_base = frame.time_base or _TIME_BASE
+            self._first = frame.pts or 0
+        if self._stream is None or frame.pts is None or frame.pts - self._first <= self._last:
             return
-        self._last = frame.pts
-        self.seconds = frame.time or 0.0
+        self._last = frame.pts - self._first
+        self.seconds = float(self._last * (frame.time_base or _TIME_BASE))
         copy = frame.reformat(format="yuv420p") if frame.format.name != "yuv420p" else frame
         copy.pict_type = av.video.frame.PictureType.NONE  # the encoder chooses
-        self._container.mux(self._stream.encode(copy))
+        self._mux_encoded(self._container, self._stream.encode(copy))
+
+    def _mux_encoded(self, container: OutputContainer, packets: list[av.Packet[av.VideoStream]]) -> None:
+        # The pictures belong to the viewers too, so that the times are moved here.
+        for packet in packets:
+            packet.pts, packet.dts = (packet.pts or 0) - self._first, (packet.dts or 0) - self._first
+            container.mux(packet)
 
     def _open(self) -> OutputContainer:
         return av.open(str(self._path), "w", format="mp4", options=_OPTIONS)

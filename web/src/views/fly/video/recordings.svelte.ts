@@ -17,9 +17,14 @@ export interface VideoRecording {
 
 const INTERVAL = 2000;
 
-/** Returns an address as recordings name it. */
+const SECRET_OPTION = /([?&][^=&]*(?:pass|secret|ticket|token|key|header\.)[^=&]*=)[^&]+/gi;
+
+/** Returns an address as recordings name it: without user, password and secret options. */
 export function withoutPassword(uri: string): string {
-  return uri.trim().replace(/\/\/[^/@]*@/, '//***@');
+  return uri
+    .trim()
+    .replace(/\/\/.*@/, '//***@')
+    .replace(SECRET_OPTION, '$1***');
 }
 
 class VideoRecordings {

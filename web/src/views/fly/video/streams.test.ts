@@ -35,6 +35,8 @@ it('plays RTSP and RTP through the station, and a gateway comes first', () => {
     false,
   ]);
   expect(withoutPassword(' rtsp://user:word@cam/a ')).toBe('rtsp://***@cam/a');
+  expect(withoutPassword('rtsp://user:w@rd@cam/a')).toBe('rtsp://***@cam/a');
+  expect(withoutPassword('rtsp://cam/a?user=u&password=w')).toBe('rtsp://cam/a?user=u&password=***');
   expect(playerFor('rtsp://cam:8554/front', 0, DEFAULT_GATEWAY, station).url).toBe('http://cam:8889/front/whep');
   expect(playerFor('5600', 3, '', station).kind).toBe('gateway');
   expect(playerFor('srt://cam:9000', 0, '', station).kind).toBe('gateway');
