@@ -59,6 +59,8 @@ def test_mocap_needs_a_whole_pose():
         {"position": (1, 2, nan)},
         {"orientation": (0, 0, 0, 0)},
         {"orientation": (1e308, 1e308, 1e308, 1e308)},
+        {"orientation": (1.2e308, 1.2e308, 0, 0)},
+        {"orientation": (5e-324, 0, 0, 0)},
         {"orientation": (1, 0, 0)},
         {"position": (1, 2, 3), "frame": "XYZ"},
         {"position": (1, 2, 3), "body_frame": "ENU"},

@@ -161,6 +161,55 @@ def test_members_pause_on_their_ways_and_fly_on():
     run(scenario)
 
 
+def test_a_pause_at_the_end_of_a_course_holds_back_the_next_one():
+    async def scenario(controller, members):
+        course = straight_transition(STARTS, GOALS)
+        flight = asyncio.create_task(controller.fly(course, members))
+        await asyncio.sleep(course.duration - 0.5)
+        controller.pace.paused = True
+        await asyncio.sleep(60)
+        assert not flight.done()
+        assert np.array([each.place for each in members]) == pytest.approx(GOALS, abs=0.01)
+        controller.pace.paused = False
+        await flight
+
+    run(scenario)
+
+
+def test_a_paused_swarm_is_stopped():
+    async def scenario(controller, members):
+        flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
+        await asyncio.sleep(2)
+        controller.pace.paused = True
+        await asyncio.sleep(4)
+        controller.stop("a test")
+        with pytest.raises(SwarmStopped, match="a test"):
+            await flight
+        assert not controller.pace.paused, "the next call flies"
+
+    run(scenario)
+
+
+def test_no_delay_is_learned_from_the_time_in_which_a_program_was_held_up():
+    async def scenario(controller, members):
+        steps, learn = [], controller.delays.learn
+        controller.delays.learn = lambda *each: (steps.append(each[-1]), learn(*each))
+        leader = LeaderFrame(0.0, 45.0)
+        leader.update(STARTS[0], np.zeros(3), controller._fleet.now())
+        course = Following(leader, STARTS - STARTS[0], controller._fleet.now())
+        flight = asyncio.create_task(controller.fly(course, members, until=20.0))
+        await asyncio.sleep(3)
+        now = controller._fleet.now
+        controller._fleet.now = lambda: now() + 7.0
+        await flight
+        assert controller.progress[0] == pytest.approx(20.0, abs=0.2), (
+            "the course keeps the time of the clock"
+        )
+        assert max(steps) < 0.5
+
+    run(scenario)
+
+
 def test_a_program_that_was_held_up_continues_where_it_was():
     async def scenario(controller, members):
         flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
@@ -182,6 +231,11 @@ def test_a_swarm_whose_positions_do_not_return_is_stopped():
             member.age = 9.0
         with pytest.raises(SwarmStopped, match="no positions of the members arrive"):
             await flight
+        for member in members:
+            member.age = 0.0
+        before = members[0].place
+        await asyncio.sleep(30)
+        assert members[0].place == pytest.approx(before), "the course that has failed is not continued"
 
     run(scenario)
 
@@ -196,6 +250,18 @@ def test_a_swarm_without_members_that_follow_is_stopped():
             await flight
 
     run(scenario)
+
+
+def test_a_call_ends_with_the_control_loop():
+    async def scenario(controller, members):
+        flight = asyncio.create_task(controller.fly(straight_transition(STARTS, GOALS), members))
+        await asyncio.sleep(2)
+        controller._fleet.read = None
+        with pytest.raises(SwarmStopped, match="the control loop of the swarm has ended"):
+            await flight
+
+    with pytest.raises(TypeError, match="not callable"):
+        run(scenario)
 
 
 def test_members_that_do_not_arrive_are_named():

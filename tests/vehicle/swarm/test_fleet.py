@@ -136,6 +136,20 @@ def test_a_member_without_a_new_setpoint_gets_its_last_one_again(host):
     assert [each.taken for each in members] == [1, 1]
 
 
+@pytest.mark.parametrize("north", [5.0, math.nan])
+def test_a_member_without_a_new_setpoint_does_not_fly_on(host, north):
+    member = Member(1, **HERE, follows_acceleration=True)
+    fleet = Fleet([member], FRAME)
+    moving = setpoints(((north, 0.0, 20.0), (4.0, 2.0, 1.0), (1.0, 1.0, 1.0)))
+    fleet.send([member], moving, fleet.read().heights)
+    (first,) = host.sent
+    fleet.send([], setpoints(), np.empty(0))
+    assert host.sent == [first.replace(vx=0.0, vy=0.0, vz=0.0, afx=0.0, afy=0.0, afz=0.0)]
+    assert first.vx == 4.0
+    fleet.send([member], moving, fleet.read().heights)
+    assert host.sent == [first]
+
+
 def test_each_member_is_checked_in_turn(host):
     members = [Member(system, **HERE) for system in range(1, 6)]
     fleet = Fleet(members, FRAME)

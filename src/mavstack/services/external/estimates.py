@@ -9,7 +9,7 @@ Source: guide, odometry; ArduPilot, GCS_MAVLINK; PX4, MavlinkReceiver.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf, isfinite, nan
+from math import hypot, isfinite, nan
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 _NOTHING: Final = (nan, nan, nan)
 _MAX_QUALITY: Final = 100
+#: Limits of the length of an orientation, beyond which products of its numbers would become 0 or infinite.
+_MIN_LENGTH: Final = 1e-9
+_MAX_LENGTH: Final = 1e9
 
 
 @dataclass(slots=True)
@@ -85,8 +88,10 @@ class PoseEstimate:
             _check_numbers("rotation", self.rotation, 3)
         if self.orientation is not None:
             _check_numbers("orientation", self.orientation, 4)
-            if not 0 < hypot(*self.orientation) < inf:
-                raise InvalidArgumentError("an orientation needs a length that is finite and not 0")
+            if not _MIN_LENGTH <= (length := hypot(*self.orientation)) <= _MAX_LENGTH:
+                raise InvalidArgumentError(
+                    f"the length of an orientation must be {_MIN_LENGTH:g} to {_MAX_LENGTH:g}, got {length:g}"
+                )
 
     def _check_covariances(self) -> None:
         for name in ("pose_covariance", "velocity_covariance"):

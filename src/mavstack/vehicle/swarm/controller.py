@@ -101,6 +101,7 @@ class SwarmController:
         self._fleet = fleet
         self._indices = {each: index for index, each in enumerate(fleet.members)}
         self._stopped: SwarmStopped | None = None
+        self._ended = False
         self._progress = asyncio.Event()
         planned = options.margins.planned_distance
         self._avoidance = Avoidance(
@@ -130,12 +131,16 @@ class SwarmController:
         return self._fleet.read().positions[self._rows_of(self.active)]
 
     async def run(self) -> None:
-        """Run until the task is cancelled."""
-        while True:
-            self._step()
+        """Run until the task is cancelled; a call that waits for a course then ends in `SwarmStopped`."""
+        try:
+            while True:
+                self._step()
+                self._progress.set()
+                self._progress.clear()
+                await asyncio.sleep(_STEP)
+        finally:
+            self._ended = True
             self._progress.set()
-            self._progress.clear()
-            await asyncio.sleep(_STEP)
 
     def stand(self) -> None:
         """Let all members stay where they are."""
@@ -175,8 +180,11 @@ class SwarmController:
         self._begin(course, members, others)
         duration = course.duration if until is None else min(until, course.duration)
         try:
-            while self._elapsed < duration or not self._arrived(duration):
+            # A pause at the end of a course also holds back the next course of the same call.
+            while self._elapsed < duration or self.pace.paused or not self._arrived(duration):
                 await self._progress.wait()
+                if self._ended:
+                    raise SwarmStopped("the control loop of the swarm has ended", ())
                 if self._stopped is not None:
                     raise self._stopped
                 if self._elapsed > duration + ARRIVAL_TIMEOUT:
@@ -207,7 +215,7 @@ class SwarmController:
         if youngest <= _LATE:
             self._received = now
         elif now - self._received > SILENCE_TIMEOUT and self._stopped is None:
-            self._stopped = SwarmStopped("no positions of the members arrive", ())
+            self.stop("no positions of the members arrive")
         if not math.isinf(self._course.duration):
             step = 0.0 if self._waits else self.pace.advance(min(step, _MAX_STEP))
         self._elapsed += step
@@ -242,8 +250,8 @@ class SwarmController:
         active = [index for index, each in enumerate(self._flying) if each in present]
         flying = [self._flying[index] for index in active]
         if not active and self._stopped is None and not any(each.is_following for each in self.members):
-            # Members whose positions are late may return; meanwhile they get their last setpoints.
-            self._stopped = SwarmStopped("no member follows setpoints any more", ())
+            # Members whose positions are late may return; meanwhile they stand at their last ones.
+            self.stop("no member follows setpoints any more")
         rows = self._rows_of(flying)
         states, others = readings.take(rows), readings.take(slice(count, None))
         places, motion = (each[active] for each in self._course.state(self._elapsed))
@@ -253,7 +261,7 @@ class SwarmController:
         if not self._waits:
             learning = np.flatnonzero(free & (states.ages <= _LATE))
             behind = (places - states.positions)[learning]
-            self.delays.learn(rows[learning], behind, course[1][learning], step)
+            self.delays.learn(rows[learning], behind, course[1][learning], min(step, _MAX_STEP))
         setpoints = self._ahead(rows, active, course)
         if steering is not None:
             setpoints = _around(steering, setpoints)

@@ -7,8 +7,8 @@ its local origin with the wrong sign to heights above home.
 Positions are read from the latest GLOBAL_POSITION_INT, extrapolated with the velocity. A setpoint is a place
 with a velocity (SET_POSITION_TARGET_GLOBAL_INT), and with an acceleration if the firmware adds it to its own,
 or a velocity alone (SET_POSITION_TARGET_LOCAL_NED) where the place is NaN. A member that gets no new
-setpoint, since its positions are late, gets its last one again: PX4 leaves its mode half a second after the
-last setpoint.
+setpoint, since its positions are late, gets its last one again, since PX4 leaves its mode half a second after
+the last setpoint; but without a velocity, so that the member stops.
 """
 
 from __future__ import annotations
@@ -123,13 +123,15 @@ class Fleet:
         self._step += 1
 
     def send(self, members: Sequence[Member], setpoints: Setpoints, heights: Points) -> None:
-        """Send setpoints to members, and the last one again to others that follow.
+        """Send setpoints to members, and the last one without its motion to others that follow.
 
         Args:
             members: The members with new setpoints.
             setpoints: Their setpoints.
             heights: Metres of each above its home; NaN if unknown.
         """
+        for member in self._last.keys() - set(members):
+            self._last[member] = _standing(self._last[member])
         messages = self._messages(members, setpoints, heights)
         for member, message in zip(members, messages, strict=True):
             if member not in self._last:
@@ -225,6 +227,11 @@ def _message(member: Member, row: list[float], milliseconds: int) -> SetpointMes
         afy=faster[1],
         afz=-faster[2],
     )
+
+
+def _standing(message: SetpointMessage) -> SetpointMessage:
+    """Return a setpoint without its motion: stay at the place, or stop."""
+    return message.replace(vx=0.0, vy=0.0, vz=0.0, afx=0.0, afy=0.0, afz=0.0)
 
 
 def _lowest_speeds(heights: Points) -> Points:

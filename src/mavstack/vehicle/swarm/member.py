@@ -71,8 +71,8 @@ class Member:
     def check(self) -> None:
         """Keep an `error` if the vehicle does not follow setpoints any more.
 
-        A vehicle whose heartbeats are late is not given up: it gets its last setpoint again, and new ones as
-        soon as it is received again. A program that a busy machine held up for some seconds finds all
+        A vehicle whose heartbeats are late is not given up: it stays at its last setpoint, and gets new ones
+        as soon as it is received again. A program that a busy machine held up for some seconds finds all
         vehicles late at once.
         """
         if self._session is None or self.error is not None:

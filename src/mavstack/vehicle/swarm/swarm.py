@@ -84,13 +84,15 @@ class Swarm(ReadOnly):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         controller, self._controller = self._running, None
-        if self._loop is not None:
-            self._loop.cancel()
-            with suppress(asyncio.CancelledError):
-                await self._loop
-        if self._fleet is not None:
-            self._fleet.close()
-        await _leave(controller.members)
+        try:
+            if self._loop is not None:
+                self._loop.cancel()
+                with suppress(asyncio.CancelledError):
+                    await self._loop
+        finally:
+            if self._fleet is not None:
+                self._fleet.close()
+            await _leave(controller.members)
 
     @property
     def vehicles(self) -> tuple[Vehicle, ...]:
