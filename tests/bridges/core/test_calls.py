@@ -14,6 +14,7 @@ from mavstack.bridges.core.calls import CALLS, VehicleCalls, request_fields
 from mavstack.bridges.core.services.context import ServiceContext
 from mavstack.errors import InvalidArgumentError
 from mavstack.security.roles import Role
+from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.world import ARDUPILOT, World, fly
 
@@ -38,6 +39,22 @@ def test_calls_fly() -> None:
         here = {"latitude": vehicle.position.latitude + 1e-4, "longitude": vehicle.position.longitude}
         assert (await call("action/goto", here))["ok"]
         assert vehicle.position.relative_altitude == pytest.approx(5, abs=0.7)
+
+    fly(COPTER, scenario)
+
+
+def test_requests_without_their_fields_leave_plan_and_home() -> None:
+    async def scenario(world: World, vehicle: Vehicle) -> None:
+        await vehicle.fence.clear()
+        await vehicle.mission.upload([MissionItem(16, param5=47.3977, param6=8.5456, param7=10.0)])
+        call, home = calls(vehicle).call, vehicle.home
+        for name in ("mission/push", "geofence/push", "mission/set_current", "cmd/takeoff", "ftp/truncate"):
+            answer = await call(name, {})
+            assert not answer["ok"]
+            assert "needs the field" in answer["reason"]
+        assert not (await call("cmd/set_home", {"current_gps": False, "latitude": 47.0}))["ok"]
+        assert len(await vehicle.mission.download()) == 1
+        assert vehicle.home == home
 
     fly(COPTER, scenario)
 
@@ -86,9 +103,27 @@ def test_only_fields_whose_default_would_act_are_required() -> None:
     required = {name: row.required for name, row in CALLS.items() if row.required}
     assert required == {
         "cmd/arming": ("value",),
-        "cmd/set_home": ("current_gps",),
+        "cmd/takeoff": ("altitude",),
+        "cmd/takeoff_local": ("position",),
+        "cmd/land_local": ("position",),
+        "cmd/set_home": ("current_gps", "latitude", "longitude", "altitude"),
         "cmd/trigger_control": ("trigger_enable",),
-        "set_stream_rate": ("on_off",),
+        "set_stream_rate": ("stream_id", "message_rate", "on_off"),
+        "mission/push": ("waypoints",),
+        "mission/set_current": ("wp_seq",),
+        "geofence/push": ("waypoints",),
+        "rallypoint/push": ("waypoints",),
+        "ftp/truncate": ("length",),
+        "gimbal_control/manager/configure": (
+            "sysid_primary",
+            "compid_primary",
+            "sysid_secondary",
+            "compid_secondary",
+        ),
+        "gimbal_control/manager/pitchyaw": ("pitch", "yaw"),
+        "gimbal_control/manager/set_roi": ("mode",),
+        "gimbal_control/manager/camera_track": ("mode",),
+        "mount_control/configure": ("mode",),
         "action/takeoff": ("altitude",),
         "action/goto": ("latitude", "longitude"),
     }

@@ -261,13 +261,19 @@ _OURS: Final = "not in MAVROS; the message has the vehicle's reason"
 
 ROWS: Final = (
     _row("cmd/arming", "CommandBool", arming, "COMPONENT_ARM_DISARM", required=("value",)),
-    _row("cmd/takeoff", "CommandTOL", takeoff, "NAV_TAKEOFF"),
+    _row("cmd/takeoff", "CommandTOL", takeoff, "NAV_TAKEOFF", required=("altitude",)),
     _row("cmd/land", "CommandTOL", land, "NAV_LAND"),
-    _row("cmd/takeoff_local", "CommandTOLLocal", takeoff_local, "NAV_TAKEOFF_LOCAL"),
-    _row("cmd/land_local", "CommandTOLLocal", land_local, "NAV_LAND_LOCAL"),
+    _row("cmd/takeoff_local", "CommandTOLLocal", takeoff_local, "NAV_TAKEOFF_LOCAL", required=("position",)),
+    _row("cmd/land_local", "CommandTOLLocal", land_local, "NAV_LAND_LOCAL", required=("position",)),
     _row("cmd/command", "CommandLong", command_long, "any MAV_CMD", Role.ADMINISTER),
     _row("cmd/command_int", "CommandInt", command_int, "any MAV_CMD", Role.ADMINISTER),
-    _row("cmd/set_home", "CommandHome", set_home, "DO_SET_HOME", required=("current_gps",)),
+    _row(
+        "cmd/set_home",
+        "CommandHome",
+        set_home,
+        "DO_SET_HOME",
+        required=("current_gps", "latitude", "longitude", "altitude"),
+    ),
     _row(
         "cmd/trigger_control",
         "CommandTriggerControl",
@@ -290,7 +296,7 @@ ROWS: Final = (
         set_stream_rate,
         "REQUEST_DATA_STREAM",
         Role.OBSERVE,
-        required=("on_off",),
+        required=("stream_id", "message_rate", "on_off"),
     ),
     _row(
         "set_message_interval", "MessageInterval", set_message_interval, "SET_MESSAGE_INTERVAL", Role.OBSERVE

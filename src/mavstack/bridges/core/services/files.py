@@ -137,9 +137,9 @@ async def reset(_vehicle: Vehicle, _request: Fields, context: ServiceContext) ->
     return {}
 
 
-def _row(name: str, kind: str, handle: Handler, meaning: str) -> Service:
+def _row(name: str, kind: str, handle: Handler, meaning: str, required: tuple[str, ...] = ()) -> Service:
     full = kind if "/" in kind else f"mavros_msgs/srv/{kind}"
-    return Service(f"ftp/{name}", full, handle, Role.ADMINISTER, meaning)
+    return Service(f"ftp/{name}", full, handle, Role.ADMINISTER, meaning, required=required)
 
 
 ROWS: Final = (
@@ -151,7 +151,7 @@ ROWS: Final = (
     _row("mkdir", "FileMakeDir", make_directory, "create a directory"),
     _row("rmdir", "FileRemoveDir", remove_directory, "remove a directory"),
     _row("remove", "FileRemove", remove, "remove a file"),
-    _row("truncate", "FileTruncate", truncate, "cut a file"),
+    _row("truncate", "FileTruncate", truncate, "cut a file", required=("length",)),
     _row("reset", "std_srvs/srv/Empty", reset, "forget open files"),
     _row("rename", "FileRename", rename, "rename"),
     _row("checksum", "FileChecksum", checksum, "CRC-32"),

@@ -21,6 +21,7 @@ _ROI: Final = (
     _CMD.DO_SET_ROI_SYSID,
     _CMD.DO_SET_ROI_NONE,
 )
+_CONTROLLERS: Final = ("sysid_primary", "compid_primary", "sysid_secondary", "compid_secondary")
 _TRACK: Final = (_CMD.CAMERA_TRACK_POINT, _CMD.CAMERA_TRACK_RECTANGLE, _CMD.CAMERA_STOP_TRACKING)
 
 
@@ -41,8 +42,7 @@ async def manager_info(vehicle: Vehicle, _request: Fields, _context: Any) -> Fie
 
 async def configure(vehicle: Vehicle, request: Fields, _context: Any) -> Fields:
     """Take or release control (mavros_msgs/GimbalManagerConfigure)."""
-    names = ("sysid_primary", "compid_primary", "sysid_secondary", "compid_secondary")
-    params = [float(request[name]) for name in names]
+    params = [float(request[name]) for name in _CONTROLLERS]
     gimbal = float(request["gimbal_device_id"])
     return await _command(vehicle, _CMD.DO_GIMBAL_MANAGER_CONFIGURE, *params, 0.0, 0.0, gimbal)
 
@@ -85,8 +85,15 @@ async def mount_configure(vehicle: Vehicle, request: Fields, _context: Any) -> F
     return await _command(vehicle, _CMD.DO_MOUNT_CONFIGURE, *params)
 
 
-def _row(name: str, kind: str, handle: Handler, meaning: str, role: Role = Role.OPERATE) -> Service:
-    return Service(name, f"mavros_msgs/srv/{kind}", handle, role, meaning)
+def _row(
+    name: str,
+    kind: str,
+    handle: Handler,
+    meaning: str,
+    role: Role = Role.OPERATE,
+    required: tuple[str, ...] = (),
+) -> Service:
+    return Service(name, f"mavros_msgs/srv/{kind}", handle, role, meaning, required=required)
 
 
 _INFORMATION: Final = "GimbalGetInformation"
@@ -94,9 +101,33 @@ _PREFIX: Final = "gimbal_control"
 ROWS: Final = (
     _row(f"{_PREFIX}/device/get_info", _INFORMATION, device_info, "REQUEST_MESSAGE", Role.OBSERVE),
     _row(f"{_PREFIX}/manager/get_info", _INFORMATION, manager_info, "REQUEST_MESSAGE", Role.OBSERVE),
-    _row(f"{_PREFIX}/manager/configure", "GimbalManagerConfigure", configure, "DO_GIMBAL_MANAGER_CONFIGURE"),
-    _row(f"{_PREFIX}/manager/pitchyaw", "GimbalManagerPitchyaw", pitch_yaw, "DO_GIMBAL_MANAGER_PITCHYAW"),
-    _row(f"{_PREFIX}/manager/set_roi", "GimbalManagerSetRoi", set_roi, "DO_SET_ROI_…"),
-    _row(f"{_PREFIX}/manager/camera_track", "GimbalManagerCameraTrack", track, "CAMERA_TRACK_…"),
-    _row("mount_control/configure", "MountConfigure", mount_configure, "DO_MOUNT_CONFIGURE"),
+    _row(
+        f"{_PREFIX}/manager/configure",
+        "GimbalManagerConfigure",
+        configure,
+        "DO_GIMBAL_MANAGER_CONFIGURE",
+        required=_CONTROLLERS,
+    ),
+    _row(
+        f"{_PREFIX}/manager/pitchyaw",
+        "GimbalManagerPitchyaw",
+        pitch_yaw,
+        "DO_GIMBAL_MANAGER_PITCHYAW",
+        required=("pitch", "yaw"),
+    ),
+    _row(f"{_PREFIX}/manager/set_roi", "GimbalManagerSetRoi", set_roi, "DO_SET_ROI_…", required=("mode",)),
+    _row(
+        f"{_PREFIX}/manager/camera_track",
+        "GimbalManagerCameraTrack",
+        track,
+        "CAMERA_TRACK_…",
+        required=("mode",),
+    ),
+    _row(
+        "mount_control/configure",
+        "MountConfigure",
+        mount_configure,
+        "DO_MOUNT_CONFIGURE",
+        required=("mode",),
+    ),
 )

@@ -122,6 +122,7 @@ def _rows(prefix: str, kind: PlanType) -> tuple[Service, ...]:
             _push(kind),
             meaning="upload, all or nothing",
             difference="a part replaces these items of the vehicle's plan, which is sent whole",
+            required=("waypoints",),
         ),
         Service(f"{prefix}/clear", f"{package}WaypointClear", _clear(kind), meaning="MISSION_CLEAR_ALL"),
     )
@@ -134,6 +135,7 @@ ROWS: Final = (
         "mavros_msgs/srv/WaypointSetCurrent",
         set_current,
         meaning="DO_SET_MISSION_CURRENT",
+        required=("wp_seq",),
     ),
     *_rows("geofence", PlanType.FENCE),
     *_rows("rallypoint", PlanType.RALLY),
