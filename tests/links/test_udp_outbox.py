@@ -184,3 +184,25 @@ async def test_a_link_whose_closing_is_cancelled_keeps_no_socket(slow):
         await closing
     assert sock.fileno() == -1
     assert link.counters.dropped_out == 1
+
+
+async def test_datagrams_are_not_held_after_a_failure_in_their_turn():
+    def fail(data):
+        raise RuntimeError
+
+    failures = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context["exception"]))
+    peer = UdpPeer()
+    async with Node(f"udpout://127.0.0.1:{peer.port}", heartbeat=False) as node:
+        await wait_until(lambda: node._host.engine.channels)
+        node._host.sent_listeners.append(fail)
+        for number in (1, 2):
+            node.send(common.NamedValueInt(name="n", value=number))
+        await wait_until(lambda: failures)
+        node._host.sent_listeners.clear()
+        node.send(common.NamedValueInt(name="n", value=3))
+        parser = Parser(common)
+        values = [packet.message.value for _ in (1, 3) for packet in parser.feed(await peer.receive(1))]
+        assert values == [1, 3]
+        assert isinstance(failures[0], RuntimeError)
+    await peer.close()

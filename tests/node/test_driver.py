@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -141,3 +142,37 @@ def test_a_service_without_changes_is_skipped() -> None:
         assert other.calls >= 5
 
     run_virtually(work())
+
+
+def test_a_message_that_is_sent_immediately_before_the_node_closes_leaves() -> None:
+    async def work() -> None:
+        network = MemoryNetwork()
+        ground = Node(network.link(), heartbeat=False)
+        vehicle = Node(network.link(), system=1, component=1, heartbeat=False)
+        received: list[int] = []
+        vehicle.add_listener(common.NamedValueInt, lambda message: received.append(message.value))
+        async with vehicle:
+            async with ground:
+                await asyncio.sleep(0.1)
+                for number in range(5):
+                    ground.send(common.NamedValueInt(name="n", value=number))
+            await asyncio.sleep(0.1)
+        assert received == list(range(5))
+
+    run_virtually(work())
+
+
+def test_messages_that_are_sent_in_one_turn_let_answers_come_without_delay() -> None:
+    async def work(driver: Driver, _alarm: Alarm, _timers: list[float]) -> None:
+        hurried: list[float] = []
+        driver.native = SimpleNamespace(hurry=lambda: hurried.append(driver.now()), stop=lambda: None)
+        driver.step_soon()
+        driver.step_soon()
+        assert hurried == []
+        await asyncio.sleep(0)
+        assert len(hurried) == 1
+        driver.step_soon()
+        await asyncio.sleep(0)
+        assert len(hurried) == 2
+
+    with_alarm(work)
