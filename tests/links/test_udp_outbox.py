@@ -202,7 +202,8 @@ async def test_datagrams_are_not_held_after_a_failure_in_their_turn():
         node._host.sent_listeners.clear()
         node.send(common.NamedValueInt(name="n", value=3))
         parser = Parser(common)
-        values = [packet.message.value for _ in (1, 3) for packet in parser.feed(await peer.receive(1))]
+        async with asyncio.timeout(10):
+            values = [packet.message.value for _ in (1, 3) for packet in parser.feed(await peer.receive(1))]
         assert values == [1, 3]
         assert isinstance(failures[0], RuntimeError)
     await peer.close()
