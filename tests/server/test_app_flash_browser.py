@@ -33,11 +33,14 @@ class Board:
         self.bootloader = bootloader
         self.requests: list[Op] = []
         self.cut_after: int | None = None
+        self.is_stalled = False
         self.now = 0.0
         bootloader.listeners.append(self.requests.append)
 
     def exchange(self, data: list[int]) -> list[int] | None:
         self.now += 0.02
+        if self.is_stalled:
+            return []
         self.bootloader.receive(bytes(data), self.now)
         if self.cut_after is not None and len(self.requests) >= self.cut_after:
             self.cut_after = None
@@ -136,8 +139,26 @@ def test_a_board_that_lost_its_power_is_flashed_again(pages: Any) -> None:
     assert board.bootloader.started
 
 
+def test_the_browser_asks_before_it_closes_a_page_that_writes(pages: Any) -> None:
+    board = Board(SimulatedBootloader(PX4))
+    page = opened(pages, board.exchange)
+    choose_file(page, make_container(IMAGE, 50))
+    page.get_by_role("button", name="Choose the port of the board").click()
+    playwright.expect(page.get_by_text("Bootloader (revision 5)")).to_be_visible()
+    closes = "() => dispatchEvent(new Event('beforeunload', { cancelable: true }))"
+    assert page.evaluate(closes)
+    board.is_stalled = True
+    flash(page)
+    playwright.expect(page.get_by_text("Flashing: erase")).to_be_visible()
+    assert not page.evaluate(closes)
+    board.is_stalled, board.cut_after = False, 0
+    playwright.expect(page.get_by_role("alert")).to_contain_text("the board stays in its bootloader")
+    assert page.evaluate(closes)
+
+
 def test_a_running_autopilot_is_asked_to_start_its_bootloader_unless_it_is_armed(pages: Any) -> None:
     encoder, parser = Encoder(system=7, component=1), Parser(common)
+    gimbals = Encoder(system=7, component=154)
     commands: list[common.CommandLong] = []
     mode = common.MavModeFlag.SAFETY_ARMED
     board: Board | None = None
@@ -150,7 +171,8 @@ def test_a_running_autopilot_is_asked_to_start_its_bootloader_unless_it_is_armed
         heartbeat = common.Heartbeat(
             type=common.MavType.QUADROTOR, autopilot=common.MavAutopilot.PX4, base_mode=mode
         )
-        return list(encoder.encode(heartbeat))
+        gimbal = common.Heartbeat(type=common.MavType.GIMBAL, autopilot=common.MavAutopilot.INVALID)
+        return list(gimbals.encode(gimbal) + encoder.encode(heartbeat))
 
     page = opened(pages, exchange)
     choose_file(page, make_container(IMAGE, 50))

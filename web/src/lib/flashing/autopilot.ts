@@ -1,6 +1,6 @@
 /** A running autopilot at a port: it is asked to start its bootloader. */
 
-import { MavCmd, MavModeFlag, MavType } from '$generated';
+import { MavAutopilot, MavCmd, MavModeFlag } from '$generated';
 
 import { Decoder, Encoder } from '$lib/decoder/Decoder';
 
@@ -19,8 +19,15 @@ export interface Autopilot {
   readonly isArmed: boolean;
 }
 
-/** Resolves to the autopilot that sends heartbeats; null: none does. */
-export function findAutopilot(line: BootloaderLine, timeout = HEARTBEAT_TIMEOUT): Promise<Autopilot | null> {
+/** Resolves to the autopilot that sends heartbeats; null: none does.
+ *
+ * @param wanted - Its system id; null: the first that is received. A radio may receive several vehicles.
+ */
+export function findAutopilot(
+  line: BootloaderLine,
+  wanted: number | null = null,
+  timeout = HEARTBEAT_TIMEOUT,
+): Promise<Autopilot | null> {
   return new Promise((resolve) => {
     const decoder = new Decoder();
     const end = (found: Autopilot | null): void => {
@@ -31,7 +38,9 @@ export function findAutopilot(line: BootloaderLine, timeout = HEARTBEAT_TIMEOUT)
     const timer = setTimeout(() => end(null), timeout);
     const stop = line.onData((data) => {
       for (const { name, system, component, fields } of decoder.push(data)) {
-        if (name !== 'HEARTBEAT' || fields.type === MavType.GCS) continue;
+        // Gimbals, companion computers and ground stations have none, and do not show whether the vehicle is armed.
+        if (name !== 'HEARTBEAT' || fields.autopilot === MavAutopilot.INVALID) continue;
+        if (wanted !== null && system !== wanted) continue;
         end({ system, component, isArmed: (Number(fields.base_mode) & MavModeFlag.SAFETY_ARMED) !== 0 });
         return;
       }

@@ -18,13 +18,15 @@ export interface FirmwareFile {
 }
 
 const KINDS: Readonly<Record<string, FirmwareFile['kind']>> = { PX4FWv1: 'px4', PX4FWv2: 'px4', APJFWv1: 'apj' };
-/** Largest image that is unpacked, in bytes. */
-const MAX_IMAGE = 64_000_000;
+/** Maximum size of a file, and of an image that is unpacked, in bytes. */
+export const MAX_SIZE = 64_000_000;
 
 type Fields = Readonly<Record<string, unknown>>;
 
-/** Parses a file; throws with the reason if it is damaged, or names no board. */
-export async function parseFirmware(data: Uint8Array, name: string): Promise<FirmwareFile> {
+/** Parses a file; throws with the reason if it is too large, damaged, or names no board. */
+export async function parseFirmware(file: Blob, name: string): Promise<FirmwareFile> {
+  if (file.size > MAX_SIZE) throw damaged(name, `more than ${MAX_SIZE / 1_000_000} MB, no firmware is that large`);
+  const data = new Uint8Array(await file.arrayBuffer());
   const fields = fieldsOf(data, name);
   const kind = KINDS[String(fields.magic)];
   if (kind === undefined) throw damaged(name, 'it is neither a .px4 nor an .apj file');
@@ -80,7 +82,7 @@ async function unpacked(data: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
     const { value, done } = await reader.read();
     if (done) break;
     size += value.length;
-    if (size > MAX_IMAGE) throw new Error('too large');
+    if (size > MAX_SIZE) throw new Error('too large');
     parts.push(value);
   }
   const whole = new Uint8Array(size);

@@ -7,7 +7,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 import { BootloaderClient, flashCrc } from './BootloaderClient';
 import { checkFirmware, type Board } from './board';
-import { parseFirmware, type FirmwareFile } from './firmwareFile';
+import { MAX_SIZE, parseFirmware, type FirmwareFile } from './firmwareFile';
 
 interface Vector {
   readonly name: string;
@@ -71,7 +71,7 @@ describe('flashing', () => {
 
   for (const vector of vectors) {
     it(`passes the vector ${vector.name}`, async () => {
-      const firmware = await parseFirmware(Uint8Array.from(Buffer.from(vector.file, 'base64')), 'file');
+      const firmware = await parseFirmware(new Blob([Buffer.from(vector.file, 'base64')]), 'file');
       const line = new Recorded(vector);
       let outcome: string | null | undefined;
       void flashed(line, firmware).then((result) => (outcome = result));
@@ -123,7 +123,6 @@ describe('flashing', () => {
 
 describe('files', () => {
   it('that are damaged are refused in words', async () => {
-    const bytes = (text: string): Uint8Array => new TextEncoder().encode(text);
     const refused: readonly (readonly [string, string])[] = [
       ['{', 'not JSON, the file may be cut off'],
       ['[]', 'not an object of JSON'],
@@ -132,6 +131,12 @@ describe('files', () => {
       ['{"magic":"PX4FWv1","board_id":9}', 'has no image'],
       ['{"magic":"PX4FWv1","board_id":9,"image":"AAAA"}', 'image is damaged'],
     ];
-    for (const [text, reason] of refused) await expect(parseFirmware(bytes(text), 'a.px4')).rejects.toThrow(reason);
+    for (const [text, reason] of refused)
+      await expect(parseFirmware(new Blob([text]), 'a.px4')).rejects.toThrow(reason);
+  });
+
+  it('that are larger than any firmware are not read', async () => {
+    const file = { size: MAX_SIZE + 1, arrayBuffer: () => expect.unreachable() } as unknown as Blob;
+    await expect(parseFirmware(file, 'a.px4')).rejects.toThrow('more than 64 MB');
   });
 });

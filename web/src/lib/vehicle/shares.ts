@@ -2,7 +2,7 @@
 
 import { fleet } from '$lib/store/fleet.svelte';
 
-import type { PlanItem } from './Vehicle';
+import type { PlanItem, Vehicle } from './Vehicle';
 
 export interface Share {
   readonly system: number | null;
@@ -16,12 +16,14 @@ export interface Share {
   readonly items: readonly PlanItem[];
 }
 
-/** Uploads each part to its vehicle; those that fly start it. */
-export async function uploadShares(shares: readonly Share[]): Promise<void> {
+/** Uploads each part to its vehicle as its mission, and returns the vehicles; no vehicle starts it. */
+export async function uploadShares(shares: readonly Share[]): Promise<readonly Vehicle[]> {
+  const vehicles: Vehicle[] = [];
   for (const { system, items } of shares) {
     const vehicle = system === null ? null : fleet.vehicle(system);
     if (!vehicle) continue;
     await vehicle.uploadPlan('mission', { items, home: null });
-    if (vehicle.state.armed === true) await vehicle.startMission();
+    vehicles.push(vehicle);
   }
+  return vehicles;
 }

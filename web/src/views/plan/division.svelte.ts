@@ -23,18 +23,21 @@ class Division {
   shares: readonly Share[] = $state.raw([]);
   /** System ids of the vehicles. */
   chosen: readonly number[] = $state.raw([]);
+  /** Counts changes of the shape and the vehicles. */
+  private change = 0;
 
   toggle(system: number): void {
     const others = this.chosen.filter((each) => each !== system);
     this.chosen = others.length < this.chosen.length ? others : [...others, system].sort((a, b) => a - b);
-    this.shares = [];
+    this.clear();
   }
 
   clear(): void {
+    this.change += 1;
     this.shares = [];
   }
 
-  /** Divides the pattern that is drawn. */
+  /** Divides the pattern that is drawn. An answer for another shape or other vehicles is dropped. */
   async plan(editor: Editor): Promise<void> {
     const { draft, pattern, camera } = editor;
     const corners = draft.map(({ latitude, longitude }) => [latitude, longitude]);
@@ -47,11 +50,14 @@ class Division {
       ...(camera ? { camera: cameraOf(camera), side_overlap: side / 100, front_overlap: front / 100 } : {}),
       vehicles: this.chosen.map((system) => ({ system })),
     };
-    this.shares = (await api.post<{ readonly shares: readonly Share[] }>('surveys', body)).shares;
+    this.change += 1;
+    const { change } = this;
+    const { shares } = await api.post<{ readonly shares: readonly Share[] }>('surveys', body);
+    if (change === this.change) this.shares = shares;
   }
 
-  upload(): Promise<void> {
-    return uploadShares(this.shares);
+  async upload(): Promise<void> {
+    await uploadShares(this.shares);
   }
 }
 

@@ -30,7 +30,7 @@ class UsbFlasher {
     [this.firmware, this.problem, this.outcome] = [null, null, null];
     if (file === undefined) return;
     await this.run(async () => {
-      this.firmware = await parseFirmware(new Uint8Array(await file.arrayBuffer()), file.name);
+      this.firmware = await parseFirmware(file, file.name);
     });
   }
 
@@ -48,7 +48,8 @@ class UsbFlasher {
       });
       try {
         this.board = await client.identify(QUICK_ATTEMPTS);
-      } catch {
+      } catch (error) {
+        if (this.transport !== transport) throw error;
         await this.lookForAutopilot(transport);
       }
     });
@@ -63,10 +64,10 @@ class UsbFlasher {
 
   /** Lets the autopilot start its bootloader, whose port is another one for the browser. */
   async leaveFirmware(): Promise<void> {
-    const { transport } = this;
-    if (transport === null) return;
+    const { transport, vehicle } = this;
+    if (transport === null || vehicle === null) return;
     await this.run(async () => {
-      const found = await findAutopilot(transport);
+      const found = await findAutopilot(transport, vehicle);
       if (found === null) throw new Error(t('setup.usbNothing'));
       await startBootloader(transport, found);
       this.disconnect();
@@ -78,6 +79,9 @@ class UsbFlasher {
   async flash(): Promise<void> {
     const { client, firmware, board } = this;
     if (client === null || firmware === null || board === null) return;
+    // The browser asks before it closes the page.
+    const ask = (event: Event): void => event.preventDefault();
+    addEventListener('beforeunload', ask);
     await this.run(async () => {
       await client.flash(firmware, board, (phase, done, total) => {
         [this.phase, this.done, this.total] = [phase, done, total || null];
@@ -87,6 +91,7 @@ class UsbFlasher {
       this.disconnect();
       this.outcome = t('setup.usbDone', { board: name });
     });
+    removeEventListener('beforeunload', ask);
     this.phase = null;
   }
 
@@ -104,6 +109,13 @@ class UsbFlasher {
   disconnect(): void {
     this.release();
     [this.board, this.vehicle, this.problem, this.outcome] = [null, null, null, null];
+  }
+
+  /** Lets other parts of the page open the port, unless work is under way. */
+  leave(): void {
+    if (this.isBusy) return;
+    this.release();
+    [this.board, this.vehicle] = [null, null];
   }
 
   private release(): void {

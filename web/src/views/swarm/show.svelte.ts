@@ -53,12 +53,14 @@ class ShowView {
   /** Flies the show with the chosen vehicles, around a place; resolves at its end. */
   async fly(origin: Place | null): Promise<void> {
     const { file, systems } = this;
+    const orientation = this.orientation ?? 0;
     if (file === null) return;
     if (this.takeoff) await api.longJson('POST', 'swarm/takeoff', undefined, { systems, altitude: ALTITUDE });
+    if (this.file !== file) return;
     await api.longJson('POST', 'swarm/show', undefined, file, {
       name: file.name,
       systems: systems.join(','),
-      orientation: this.orientation ?? 0,
+      orientation,
       ...(origin === null ? {} : { latitude: origin.latitude, longitude: origin.longitude }),
     });
     await swarm.refresh();

@@ -113,8 +113,9 @@ class SwarmView {
     });
   }
 
-  async stop(): Promise<void> {
-    await api.post('swarm/stop', this.members);
+  /** Ends the flight: these vehicles, by default the members of the next call, hold where they are. */
+  async stop(members = this.members): Promise<void> {
+    await api.post('swarm/stop', members);
     await this.refresh();
   }
 
@@ -142,8 +143,9 @@ class SwarmView {
   }
 
   /** Uploads each share to its vehicle; those that fly start it. */
-  uploadSearch(): Promise<void> {
-    return uploadShares(this.shares);
+  async uploadSearch(): Promise<void> {
+    for (const vehicle of await uploadShares(this.shares))
+      if (vehicle.state.armed === true) await vehicle.startMission();
   }
 }
 

@@ -96,6 +96,7 @@ export const plan = {
   divisionUnknown: 'Vehicle',
   divisionShare: '{name}: {lanes, one: # lane, other: # lanes}, {length}, at {altitude}',
   divisionUpload: 'Upload each part',
+  divisionUploadHint: 'Replaces the mission of each vehicle; no vehicle starts it. Hold it.',
   divisionUploaded: 'Each vehicle has its part.',
   patternImpossible: 'No lanes: the area or the spacing is not possible.',
   distance: 'Distance',
