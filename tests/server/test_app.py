@@ -8,7 +8,7 @@ from mavstack.http.bodies import MAX_BODY
 from mavstack.links.scheme_table import builtin_schemes
 from mavstack.security.roles import Role
 from mavstack.server.access import Access
-from mavstack.server.app import SCRIPT_POLICY, make_app
+from mavstack.server.app import ROUTES, SCRIPT_POLICY, make_app
 from mavstack.server.station import Station
 from mavstack.sim.virtual import run_virtually
 from tests.server.asgi import ApiClient
@@ -56,6 +56,19 @@ async def test_a_request_for_the_websocket_needs_an_upgrade() -> None:
     answer = await ApiClient(make_app(Station(), Access(), static=None)).get("/ws")
     assert (answer.status, answer.kind, answer.headers["upgrade"]) == (426, "UpgradeRequired", "websocket")
     assert answer.problem == "/ws is a WebSocket: send the request with an upgrade"
+
+
+def test_observers_use_only_requests_that_change_nothing() -> None:
+    found = {f"{each.method} {each.path}" for each in ROUTES if each.role is Role.OBSERVE}
+    assert {each for each in found if not each.startswith("GET ")} == {
+        "POST /api/messages",  # its handler permits requests for messages alone
+        "POST /api/searches",
+        "POST /api/surveys",
+        "POST /api/swarm/preview",
+        "POST /api/video/whep",
+        "DELETE /api/video/whep/{viewer}",
+        "DELETE /api/tasks/{id}",  # its handler ends tasks of this session alone
+    }
 
 
 async def test_unknown_routes_and_methods() -> None:

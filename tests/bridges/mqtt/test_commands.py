@@ -88,3 +88,19 @@ def test_deep_and_huge_requests_are_answered() -> None:
     payloads.append(b" " * (2 << 20))
     answers = received(*(Arrived(f"{BASE}/cmd/takeoff", payload) for payload in payloads))
     assert [answer["kind"] for _, answer, _ in answers] == ["InvalidArgumentError"] * 4
+
+
+def test_the_number_of_an_item_is_whole() -> None:
+    reached: list[int] = []
+
+    async def set_current(item: int) -> None:
+        reached.append(item)
+
+    vehicle = SimpleNamespace(mission=SimpleNamespace(set_current=set_current))
+    requests = [
+        Arrived(f"{BASE}/cmd/mission_item", payload) for payload in (b'{"item": 0.9}', b'{"item": 2.0}')
+    ]
+    refused, done = [answer for _, answer, _ in received(*requests, vehicle=vehicle)]
+    assert refused["reason"] == "mission_item: item must be a whole number, got 0.9"
+    assert done["ok"]
+    assert reached == [2]

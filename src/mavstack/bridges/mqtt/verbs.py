@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("mavstack.bridges")
 Fields = dict[str, Any]
 _NUMBER, _TEXT, _FLAG, _OBJECT = "number", "text", "true or false", "object"
+_WHOLE = "whole number"
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +114,8 @@ def _is_kind(value: object, kind: str) -> bool:
     if kind == _FLAG:
         return isinstance(value, bool)
     is_number = isinstance(value, int | float) and not isinstance(value, bool) and _is_finite(value)
-    if kind == _NUMBER:
-        return is_number
+    if kind in (_NUMBER, _WHOLE):
+        return is_number and (kind == _NUMBER or value == int(value))  # type: ignore[call-overload]
     return isinstance(value, str if kind == _TEXT else dict)
 
 
@@ -194,7 +195,7 @@ VERBS: Final[Mapping[str, Verb]] = {
     "mission_clear": Verb(lambda vehicle, _: vehicle.mission.clear(), meaning="remove the mission"),
     "mission_item": Verb(
         lambda vehicle, given: vehicle.mission.set_current(int(given["item"])),
-        needed={"item": _NUMBER},
+        needed={"item": _WHOLE},
         meaning="continue with an item",
     ),
     "param_get": Verb(_get_parameter, Role.OBSERVE, needed={"name": _TEXT}, meaning="read a parameter"),
