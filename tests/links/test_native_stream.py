@@ -54,6 +54,12 @@ class Vehicle:
                 sleep(0.002)
         return sent
 
+    def end(self) -> None:
+        """Close the stream, and give the thread time to find its end before the event loop turns."""
+        os.close(self.descriptor)
+        self.descriptor = -1
+        sleep(0.1)
+
     async def send(self, *messages) -> None:
         await self.write(b"".join(self.encoder.encode(message) for message in messages))
 
@@ -147,6 +153,17 @@ async def test_packets_before_the_end_come_before_it_and_the_end_is_reported(str
         assert received == list(range(300))
         assert closed.reason in ("closed by the peer", *map(os.strerror, (errno.EIO, errno.ECONNRESET)))
         assert not readings(node)
+
+
+async def test_an_end_that_the_thread_finds_first_waits_for_all_packets_before_it(tmp_path):
+    async with vehicle_on("unix", tmp_path) as (node, vehicle), node.events(ChannelClosed) as events:
+        received = []
+        node.add_listener(common.VfrHud, lambda message: received.append(message.heading))
+        data = b"".join(vehicle.encoder.encode(common.VfrHud(heading=number)) for number in range(3000))
+        assert vehicle.fill(data) == len(data)  # the event loop does not turn, the thread reads
+        vehicle.end()
+        await asyncio.wait_for(anext(events), 20)
+        assert received == list(range(3000))
 
 
 async def test_the_reason_of_a_reset_is_reported(tmp_path):
