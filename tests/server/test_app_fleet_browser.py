@@ -110,7 +110,7 @@ def test_a_show_is_checked_and_played(page) -> None:
     playwright.expect(panel.get_by_role("alert")).to_contain_text("m apart at")
 
 
-def test_a_show_is_flown_waits_and_is_stopped(page) -> None:
+def test_a_show_is_flown_paused_and_stopped(page) -> None:
     page.get_by_label("Open a show").set_input_files(
         {"name": "circle.skyc", "mimeType": "application/zip", "buffer": skyc(3, radius=20.0)}
     )
@@ -123,8 +123,8 @@ def test_a_show_is_flown_waits_and_is_stopped(page) -> None:
     panel.get_by_label("Arm and take off first").check()
     hold(page, fly)
     playwright.expect(panel).to_contain_text("The show is flown.", timeout=60_000)
-    panel.get_by_role("button", name="Wait").click()
-    playwright.expect(panel).to_contain_text("The show waits", timeout=20_000)
+    panel.get_by_role("button", name="Pause").click()
+    playwright.expect(panel).to_contain_text("The show is paused", timeout=20_000)
     hold(page, panel.get_by_role("button", name="Continue"))
     playwright.expect(panel).to_contain_text("The show is flown.", timeout=20_000)
     panel.get_by_role("button", name="Stop the show").click()

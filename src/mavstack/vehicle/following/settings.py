@@ -30,7 +30,7 @@ PX4_MIN_DISTANCE: Final = 1.0
 _SURFACE: Final = frozenset({VehicleType.ROVER, VehicleType.BOAT})
 #: The value of FOLL_OFS_TYPE for offsets relative to the leader's heading.
 _RELATIVE_TO_HEADING: Final = 1.0
-#: FOLL_POS_P of rovers and boats, in 1/s. In a turn a place moves otherwise than the leader, whose velocity
+#: FOLL_POS_P of rovers and boats, in 1/s. In a turn a place moves unlike the leader, whose velocity
 #: the firmware takes: the error is the difference divided by the gain, metres with the default of 0.1.
 _SURFACE_GAIN: Final = 1.0
 #: The value of FOLL_ALT_TYPE for altitudes above the sea.

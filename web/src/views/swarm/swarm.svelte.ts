@@ -119,7 +119,7 @@ class SwarmView {
     await this.refresh();
   }
 
-  /** Lets the flight wait on its way, or go on. */
+  /** Pauses the flight, or continues it. */
   async pause(paused: boolean): Promise<void> {
     this.state = await api.post<SwarmState>(paused ? 'swarm/pause' : 'swarm/resume');
   }

@@ -48,8 +48,7 @@ export const setup = {
   usbBoard: 'Bootloader (revision {revision}) of {board}, {size} kB for the firmware',
   usbVehicle: 'The autopilot of vehicle {system} runs at this port.',
   usbStartBootloader: 'Start the bootloader',
-  usbBootloaderStarts:
-    'The autopilot starts its bootloader. Choose its port: for the browser it is another one than before.',
+  usbBootloaderStarts: 'The autopilot starts its bootloader. Choose its port again: for the browser it is a new port.',
   usbNothing: 'Neither a bootloader nor an autopilot answers at this port.',
   usbStays: 'the board stays in its bootloader: choose its port, and flash it again',
   usbFor: 'For {board}',
