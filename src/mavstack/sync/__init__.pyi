@@ -2078,7 +2078,7 @@ class GuidedSession:
         """
 
     def stop_stream(self) -> None:
-        """Repeat the last setpoint no more, since the caller sends setpoints by other means.
+        """Stop repeating the last setpoint, since the caller sends setpoints by other means.
 
         The next setpoint, and the end of the block, start the stream again.
         """
