@@ -180,7 +180,7 @@ def test_the_distance_of_a_companion_computer_is_that_of_the_rangefinder(firmwar
 
 def test_px4_begins_with_the_wind_of_a_companion_computer():
     async def flight(world: World, vehicle: Vehicle) -> None:
-        for wrong in ((-1.0, 0.0), (1.0, nan)):
+        for wrong in ((-1.0, 0.0), (101.0, 0.0), (1.0, nan)):
             with pytest.raises(InvalidArgumentError):
                 await vehicle.external.wind(*wrong)
         with pytest.raises(InvalidArgumentError, match="an accuracy must be finite"):

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from math import pi
+from types import SimpleNamespace
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported
+from mavstack.services.setpoints import GlobalSetpoint
 from mavstack.vehicle.firmware.px4 import Px4
+from mavstack.vehicle.telemetry.values import Position
 from tests.vehicle.failures.scripted_autopilot import run_scenario
 from tests.vehicle.firmware.received_requests import HERE, INT, LONG, NAN, THERE, mode, requests_of
 
@@ -142,3 +145,20 @@ def test_it_returns_though_home_is_not_known():
         assert requests_of(harness)[0][:2] == (LONG, "NAV_RETURN_TO_LAUNCH")
 
     run_scenario(scenario)
+
+
+@pytest.mark.parametrize(
+    ("place", "altitude", "expected"),
+    [
+        (Position(47.0, 8.0, 510.0, 22.0), 30.0, (518.0, common.MavFrame.GLOBAL)),
+        (Position(47.0, 8.0, 510.0, 10.0), 30.0, (530.0, common.MavFrame.GLOBAL)),  # home has moved
+        (Position(47.0, 8.0, 510.0), 30.0, (30.0, common.MavFrame.GLOBAL_RELATIVE_ALT)),
+        (Position(47.0, 8.0, None, 22.0), 30.0, (30.0, common.MavFrame.GLOBAL_RELATIVE_ALT)),
+        (None, 30.0, (30.0, common.MavFrame.GLOBAL_RELATIVE_ALT)),
+        (Position(47.0, 8.0, 510.0, 22.0), None, (None, common.MavFrame.GLOBAL_RELATIVE_ALT)),
+    ],
+)
+def test_setpoints_are_above_the_sea_if_the_height_of_home_is_known(place, altitude, expected):
+    firmware = Px4(SimpleNamespace(position=place))
+    found = firmware.place_setpoint(GlobalSetpoint(47.5, 8.5, altitude))
+    assert (found.altitude, found.frame) == expected
