@@ -19,6 +19,7 @@ av = pytest.importorskip("av")
 
 from mavstack.server.video import recorder as module  # noqa: E402
 from mavstack.server.video.gateway import VideoGateway  # noqa: E402
+from mavstack.server.video.sources import CameraSource  # noqa: E402
 from mavstack.sim.video_camera import VideoCamera, attitude_picture  # noqa: E402
 from tests.server.video.test_gateway import browser, picture_of  # noqa: E402
 from tests.waiting import wait_until  # noqa: E402
@@ -178,6 +179,7 @@ class Scripted:
         yield self
 
     def subscribe(self, *, buffered):
+        self.buffered = buffered
         return self
 
     def stop(self):
@@ -196,6 +198,21 @@ async def test_a_recording_that_begins_is_ended_by_the_close_of_the_station(tmp_
     with pytest.raises(LogError, match="stopped before the camera was open"):
         await starting
     assert recordings.list() == []
+
+
+@pytest.mark.parametrize("codec", ["h264", ""])
+async def test_only_pictures_that_are_not_decoded_wait_for_the_disk(tmp_path, codec):
+    gateway = Scripted()
+    gateway.codec = codec
+    gateway.released.set()
+    recordings = VideoRecordings(lambda: gateway, tmp_path)
+    await recordings.start(read_address("5600"), "5600", "x")
+    await recordings.close()
+    assert gateway.buffered is bool(codec)
+    relayed = CameraSource(None, aiortc.mediastreams.VideoStreamTrack(), codec).subscribe(
+        buffered=bool(codec)
+    )
+    assert relayed._buffered is bool(codec)
 
 
 @pytest.mark.parametrize("is_live", [True, False])
