@@ -72,6 +72,7 @@ def _cases() -> Iterator[_Case]:
     external = Random(_SEED).randbytes(700)
     yield _Case("flash/external", _CUBE, _file(140, kind=FirmwareKind.APJ, external=external))
     yield _Case("flash/signed", _SMALL, _file(image_signed=True), has_secure_boot=True)
+    yield _Case("flash/signed-apj", _CUBE, _file(140, kind=FirmwareKind.APJ, signed_firmware=True))
     yield _Case("refused/signature", _SMALL, _file(image_signed=True), has_secure_boot=True, is_valid=False)
     yield _Case("refused/no-secure-boot", _SMALL, _file(image_signed=True))
     yield _Case("refused/verification", _SMALL, _file(), is_broken=True)
