@@ -230,12 +230,20 @@ def test_px4_searches_above_home():
 
 @pytest.mark.parametrize(("precision", "sees"), [(0, True), (1, True), (1, False), (2, True)])
 def test_px4_lands_precisely_at_the_end_of_its_return(precision, sees):
-    harness = flying("px4", RTL_PLD_MD=precision, RTL_RETURN_ALT=15.0, RTL_DESCEND_ALT=10.0)
-    camera = Camera(harness, "local")
+    heights = {"RTL_RETURN_ALT": 15.0, "RTL_DESCEND_ALT": 10.0, "PLD_SRCH_ALT": 40.0}
+    harness = flying("px4", RTL_PLD_MD=precision, **heights)
+    camera, highest = Camera(harness, "local"), 0.0
+
+    def watch() -> None:
+        nonlocal highest
+        highest = max(highest, -harness.vehicle.body.truth.down)
+        camera.report()
+
     camera.blind = not sees
     harness.run(1, camera.report)
     harness.vehicle.autopilot.enter(harness.vehicle.profile.return_to_launch, "test")
-    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=150, each=camera.report)
+    harness.run_until(lambda: harness.vehicle.autopilot.landed, timeout=150, each=watch)
+    assert highest < 25.0, "it searches for a target only if the target is required"
     truth = harness.vehicle.body.truth
     away = hypot(truth.north - TARGET[0], truth.east - TARGET[1])
     assert away < 0.5 if precision and sees else away > 3.0
