@@ -103,4 +103,12 @@ mod tests {
         let calendar = signing_time();
         assert!(calendar - 100_000 < second.signing && second.signing <= calendar + 1, "ten microseconds");
     }
+
+    #[test]
+    fn the_calendar_is_read_again_after_an_interval() {
+        let mut clock = SystemClock { signing: 0, ..SystemClock::default() };
+        let calendar = signing_time();
+        std::thread::sleep(Duration::from_micros(CALENDAR_INTERVAL));
+        assert!(clock.time().signing >= calendar);
+    }
 }
