@@ -11,7 +11,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, ModeTimeout, SetpointError
 from mavstack.rotation import from_euler
-from mavstack.services.setpoints import LocalSetpoint
+from mavstack.services.setpoints import GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.guided_session import STREAM_LEAD_TIME
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, CMD, PX4, run_scenario
 
@@ -195,6 +195,9 @@ def test_px4_gets_altitudes_above_the_sea(autopilot, frame, altitude):
             await asyncio.sleep(0.2)
             far = setpoints(harness)[-1]
             assert (far.coordinate_frame, far.alt) == (frame, altitude)
+        async with harness.vehicle.guided(first=GlobalSetpoint(47.5, 8.25, 30)):
+            first = setpoints(harness)[-1]
+            assert (first.coordinate_frame, first.alt) == (frame, altitude)
 
     run_scenario(scenario, autopilot=autopilot)
 

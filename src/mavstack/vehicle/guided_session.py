@@ -102,9 +102,10 @@ class GuidedSession(ReadOnly):
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
-        firmware_of(self._vehicle).check_setpoint(setpoint)
+        firmware = firmware_of(self._vehicle)
+        firmware.check_setpoint(setpoint)
         self.check()
-        self._stream.set(setpoint)
+        self._stream.set(firmware.adapt_setpoint(setpoint))
 
     def stop_stream(self) -> None:
         """Stop repeating the last setpoint, since the caller sends setpoints by other means.
@@ -185,8 +186,7 @@ class GuidedSession(ReadOnly):
             RemoteCancelled: The connection was closed.
         """
         check_numbers(finite=False, latitude=latitude, longitude=longitude, altitude=altitude, yaw=yaw)
-        setpoint = GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw))
-        self.set(firmware_of(self._vehicle).place_setpoint(setpoint))
+        self.set(GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw)))
 
     def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
         """Hold an attitude (SET_ATTITUDE_TARGET).
@@ -211,7 +211,7 @@ class GuidedSession(ReadOnly):
         await self._stream.__aenter__()
         self._texts = StatusTextCapture(self._vehicle)
         try:
-            self._stream.set(self._first)
+            self._stream.set(firmware_of(self._vehicle).adapt_setpoint(self._first))
             async with deadline(self._timeout, _OPERATION, self._vehicle.address):
                 await asyncio.sleep(STREAM_LEAD_TIME)
                 self.check()

@@ -178,8 +178,8 @@ class Scripted:
         await self.released.wait()
         yield self
 
-    def subscribe(self, *, buffered):
-        self.buffered = buffered
+    def subscribe(self, *, drops_late_pictures):
+        self.drops_late_pictures = drops_late_pictures
         return self
 
     def stop(self):
@@ -201,18 +201,16 @@ async def test_a_recording_that_begins_is_ended_by_the_close_of_the_station(tmp_
 
 
 @pytest.mark.parametrize("codec", ["h264", ""])
-async def test_only_pictures_that_are_not_decoded_wait_for_the_disk(tmp_path, codec):
+@pytest.mark.parametrize("drops", [False, True])
+async def test_a_recording_drops_decoded_pictures_that_come_late(tmp_path, codec, drops):
     gateway = Scripted()
-    gateway.codec = codec
     gateway.released.set()
     recordings = VideoRecordings(lambda: gateway, tmp_path)
     await recordings.start(read_address("5600"), "5600", "x")
     await recordings.close()
-    assert gateway.buffered is bool(codec)
-    relayed = CameraSource(None, aiortc.mediastreams.VideoStreamTrack(), codec).subscribe(
-        buffered=bool(codec)
-    )
-    assert relayed._buffered is bool(codec)
+    assert gateway.drops_late_pictures
+    source = CameraSource(None, aiortc.mediastreams.VideoStreamTrack(), codec)
+    assert source.subscribe(drops_late_pictures=drops)._buffered is (bool(codec) or not drops)
 
 
 @pytest.mark.parametrize("is_live", [True, False])

@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported
-from mavstack.services.setpoints import GlobalSetpoint
+from mavstack.services.setpoints import GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.firmware.px4 import Px4
 from mavstack.vehicle.telemetry.values import Position
 from tests.vehicle.failures.scripted_autopilot import run_scenario
@@ -160,5 +160,12 @@ def test_it_returns_though_home_is_not_known():
 )
 def test_setpoints_are_above_the_sea_if_the_height_of_home_is_known(place, altitude, expected):
     firmware = Px4(SimpleNamespace(position=place))
-    found = firmware.place_setpoint(GlobalSetpoint(47.5, 8.5, altitude))
+    found = firmware.adapt_setpoint(GlobalSetpoint(47.5, 8.5, altitude))
     assert (found.altitude, found.frame) == expected
+
+
+def test_other_setpoints_stay_as_they_are():
+    firmware = Px4(SimpleNamespace(position=Position(47.0, 8.0, 510.0, 22.0)))
+    above_ground = GlobalSetpoint(47.5, 8.5, 30.0, frame=common.MavFrame.GLOBAL_TERRAIN_ALT)
+    for setpoint in (above_ground, LocalSetpoint(position=(1.0, 2.0, -3.0))):
+        assert firmware.adapt_setpoint(setpoint) is setpoint

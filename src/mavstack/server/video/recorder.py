@@ -107,8 +107,7 @@ class Recorder:
 
     async def _record(self, source: CameraSource, begun: asyncio.Future[None]) -> None:
         """Write files until the camera ends its stream."""
-        # Pictures that wait for the encoder would fill the memory: those that it cannot take are dropped.
-        track = source.subscribe(buffered=bool(source.codec))
+        track = source.subscribe(drops_late_pictures=True)
         try:
             while source.is_live:
                 await self._fill_file(track, begun)

@@ -61,16 +61,18 @@ class CameraSource:
         """True until the camera has ended its stream."""
         return bool(self._track.readyState == "live")
 
-    def subscribe(self, *, buffered: bool = True) -> MediaStreamTrack:
+    def subscribe(self, *, drops_late_pictures: bool = False) -> MediaStreamTrack:
         """Return a track for one viewer.
 
         Args:
-            buffered: False: data that comes while the viewer asks for none is dropped.
+            drops_late_pictures: True: decoded pictures that come while the viewer asks for none are dropped,
+                so that they do not fill the memory. H.264 that is passed on is small and waits in any case,
+                since each of its packets needs the ones before.
 
         Returns:
             The track.
         """
-        return self._relay.subscribe(self._track, buffered=buffered)
+        return self._relay.subscribe(self._track, buffered=bool(self.codec) or not drops_late_pictures)
 
     async def close(self) -> None:
         """Close the camera; its thread may wait for a packet, so that another thread waits for its end."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.dialects.enums import MavEnum
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.services.setpoints import GlobalSetpoint, Setpoint
+    from mavstack.services.setpoints import Setpoint
     from mavstack.services.version import AutopilotVersion, FirmwareVersion
     from mavstack.vehicle.geography import Location
     from mavstack.vehicle.vehicle import Vehicle
@@ -184,8 +184,8 @@ class Firmware(LoopBound):
     def check_setpoint(self, setpoint: Setpoint) -> None:
         """Raise `ActionUnsupported` if the vehicle ignores setpoints of a type; does not ask the vehicle."""
 
-    def place_setpoint(self, setpoint: GlobalSetpoint) -> GlobalSetpoint:
-        """Return a setpoint whose altitude is above home in the frame that the firmware follows exactly."""
+    def adapt_setpoint(self, setpoint: Setpoint) -> Setpoint:
+        """Return an equal setpoint in a frame that the firmware follows exactly."""
         return setpoint
 
     async def reason_against_takeoff(self, altitude: float) -> str | None:

@@ -8,14 +8,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
-from mavstack.services.setpoints import AttitudeSetpoint, LocalSetpoint
+from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, GROUNDED, Firmware
 from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.services.setpoints import GlobalSetpoint, Setpoint
+    from mavstack.services.setpoints import Setpoint
     from mavstack.vehicle.geography import Location
 
 _HOLD = frozenset({"loiter"})
@@ -128,12 +128,14 @@ class Px4(Firmware):
         if None in _position_of(setpoint):
             raise self.unsupported("follow setpoints of velocities", _NO_VELOCITIES)
 
-    def place_setpoint(self, setpoint: GlobalSetpoint) -> GlobalSetpoint:
-        """Return the setpoint with its altitude above mean sea level, if a position shows the height of home.
+    def adapt_setpoint(self, setpoint: Setpoint) -> Setpoint:
+        """Return an altitude above home as one above mean sea level, if a position shows the height of home.
 
         PX4 (1.17) adds the difference between home and the origin of its local frame with the wrong sign to
         altitudes above home.
         """
+        if not isinstance(setpoint, GlobalSetpoint) or setpoint.frame != common.MavFrame.GLOBAL_RELATIVE_ALT:
+            return setpoint
         place = self.vehicle.position
         if setpoint.altitude is None or place is None:
             return setpoint
