@@ -6,9 +6,11 @@
     mavlink_raw/out                                 each packet
     mavlink/in, mavlink_raw/in                      messages and packets for vehicles, with --allow-control
 
-The JSON is that of mavlink2rest: a header, and the message with its name as `type`; members of an enum are
-objects with the name as `type`, flags objects with `bits`, texts arrays of letters. Nothing is converted
-without a subscriber.
+The JSON is that of mavlink-server with version 0.16 of its message crate: a header with the ids, and the
+message with its name as `type`. Members of an enum are objects with the name as `type`, flags are texts such
+as "A | B | 0x8". Requests may also have the form of earlier versions: flags as objects with `bits`, texts as
+arrays of letters. Numbers that are not finite are null, as mavlink-server writes them for single fields.
+Nothing is converted without a subscriber.
 """
 
 from __future__ import annotations
@@ -47,35 +49,40 @@ _ORIGINAL: Final = {new: old for old, new in _RENAMED.items()}
 
 
 def message_object(packet: Packet) -> dict[str, Any]:
-    """Return a message as the JSON of mavlink2rest."""
+    """Return a message as the JSON of mavlink-server."""
     return {
         "header": {
             "system_id": packet.system,
             "component_id": packet.component,
             "sequence": packet.sequence,
+            "message_id": packet.message_id,
         },
         "message": {"type": packet.name} | _fields(packet.message),
     }
 
 
 def _fields(message: Message) -> dict[str, Any]:
-    definition = message.definition
     dialect = Dialect.load("all")
     values, names = message.to_dict(enums="value"), message.to_dict(enums="name")
     found: dict[str, Any] = {}
-    for field in definition.fields:
+    for field in message.definition.fields:
         value = values[field.name]
-        enum = dialect.enums.get(field.enum) if field.enum else None
+        enum = dialect.enums.get(field.enum) if field.enum and not field.array_length else None
         if enum is not None:
-            value = {"bits": value} if issubclass(enum, Flag) else {"type": names[field.name]}
-        elif isinstance(value, str):
-            value = list(value.ljust(field.array_length, "\0"))
+            name = names[field.name]
+            value = _flags_text(str(name)) if issubclass(enum, Flag) else {"type": name}
         found[_RENAMED.get(field.name, field.name)] = value
     return found
 
 
+def _flags_text(names: str) -> str:
+    """Return the names of flags, "A|B|8", as mavlink-server separates them; no flags are an empty text."""
+    parts = (f"0x{int(each):x}" if each.isdecimal() else each for each in names.split("|"))
+    return " | ".join(each for each in parts if each != "0x0")
+
+
 def packet_of(request: Mapping[str, Any]) -> bytes:
-    """Return the packet of a message in the JSON of mavlink2rest.
+    """Return the packet of a message in the JSON of mavlink-server.
 
     Raises:
         InvalidArgumentError: It is not such a message.
@@ -83,12 +90,13 @@ def packet_of(request: Mapping[str, Any]) -> bytes:
     header, message = request.get("header"), request.get("message")
     if not isinstance(header, dict) or not isinstance(message, dict):
         raise InvalidArgumentError("a message must have the fields header and message")
-    fields = {name: _plain_field(value) for name, value in message.items() if name != "type"}
-    fields = {_ORIGINAL.get(name, name): value for name, value in fields.items()}
+    fields = {_ORIGINAL.get(name, name): value for name, value in message.items() if name != "type"}
     try:
         kind = Dialect.load("all")[str(message.get("type"))]
+        enums = {field.name for field in kind.definition.fields if field.enum}
+        values = {name: _plain_field(value, is_enum=name in enums) for name, value in fields.items()}
         return encode(
-            kind.from_dict(fields),
+            kind.from_dict(values),
             system=int(header.get("system_id", 255)),
             component=int(header.get("component_id", 0)),
             sequence=int(header.get("sequence", 0)) & 0xFF,
@@ -97,12 +105,15 @@ def packet_of(request: Mapping[str, Any]) -> bytes:
         raise InvalidArgumentError(f"the message is not valid: {error}") from None
 
 
-def _plain_field(value: Any) -> Any:
+def _plain_field(value: Any, *, is_enum: bool) -> Any:
     if isinstance(value, dict):
         return value.get("type", value.get("bits", 0))
     if isinstance(value, list):
         letters = bool(value) and all(isinstance(each, str) for each in value)
         return "".join(value).rstrip("\0") if letters else tuple(value)
+    if isinstance(value, str) and is_enum:
+        parts = (each.strip() for each in value.split("|"))
+        return "|".join(str(int(each, 16)) if each.startswith("0x") else each for each in parts) or 0
     return value
 
 
