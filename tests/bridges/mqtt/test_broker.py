@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from mavstack.bridges.core.plain_json import MAX_REQUEST
 from mavstack.bridges.core.sink import MAX_ITEMS
-from mavstack.bridges.mqtt.broker import Broker, Session
+from mavstack.bridges.mqtt.broker import MAX_PACKET, Arrived, Broker, Session
 from mavstack.errors import InvalidArgumentError, LinkError
 from mavstack.sim.background import BackgroundSimulator
 from tests.bridges.ros2.running import free_port, until
@@ -196,5 +197,34 @@ def test_a_session_connects_again_after_the_broker_was_away(tmp_path: Path) -> N
         with broker(tmp_path, port):
             await until(lambda: len(greeted) > 1)
             await session.close()
+
+    asyncio.run(run())
+
+
+@pytest.mark.interop
+@needs_mosquitto
+def test_the_broker_sends_no_message_that_is_larger_than_the_limit(tmp_path: Path) -> None:
+    pytest.importorskip("paho.mqtt")
+    sizes = (MAX_REQUEST, MAX_REQUEST + 1, MAX_PACKET, 3)
+
+    async def run() -> None:
+        found: list[Arrived] = []
+        with broker(tmp_path) as port:
+            client = Client(port)
+            session = Session(Broker("127.0.0.1", port), subscriptions=("in",), take=found.append)
+            await session.open()
+            # The subscription may take a moment longer than the connection.
+            await until(lambda: found or not client.client.publish("in", b"first"))
+            found.clear()
+            for size in sizes:
+                client.client.publish("in", bytes(size))
+            await until(lambda: found and len(found[-1].payload) == sizes[-1])
+            client.close()
+            await session.close()
+        assert [(len(each.payload), each.discarded) for each in found if each.payload != b"first"] == [
+            (MAX_REQUEST, 0),
+            (0, MAX_REQUEST + 1),
+            (3, 0),
+        ]
 
     asyncio.run(run())

@@ -54,6 +54,12 @@ def test_a_command_that_the_broker_kept_is_refused() -> None:
     assert "kept this command" in answer["reason"]
 
 
+def test_a_payload_that_was_discarded_is_refused() -> None:
+    ((_, answer, correlation),) = received(Arrived(f"{BASE}/cmd/arm", correlation=b"7", discarded=2_000_000))
+    assert answer["reason"] == "the request has 2000000 bytes, at most 1048576 are allowed"
+    assert (answer["ok"], correlation) == (False, b"7")
+
+
 def test_further_commands_than_the_limit_are_refused() -> None:
     async def never(**arguments: object) -> None:
         await asyncio.get_running_loop().create_future()

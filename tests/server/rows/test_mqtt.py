@@ -60,19 +60,21 @@ class ScriptedSession:
             self.disconnected("the keep-alive time is over")
             self.connected()
             self.take(Arrived(self.subscriptions[0], payload))
+            self.take(Arrived(self.subscriptions[0], discarded=2_000_000))
 
     async def close(self) -> None:
         """Do nothing."""
 
 
 async def test_each_message_is_a_line_after_a_reconnection_too(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr("mavstack.server.rows.mqtt.Session", ScriptedSession)
     hub = RowHub()
     reader = RowReader(parse_row_url("csv+mqtt://127.0.0.1?topic=a/+&template=v:m"), "bench", hub)
     await reader.open()
     await wait_until(lambda: reader.received == 2)
+    assert "a/+: a message with 2000000 bytes is discarded" in caplog.messages
     assert len(reader.link.channels) == 1
     reader.link._session.disconnected("the keep-alive time is over")
     assert not reader.link.channels

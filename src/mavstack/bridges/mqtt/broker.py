@@ -14,6 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote, urlsplit
 
+from mavstack.bridges.core.plain_json import MAX_REQUEST
 from mavstack.bridges.core.sink import MAX_ITEMS, Handoff
 from mavstack.errors import InvalidArgumentError, LinkError, MissingExtraError
 
@@ -30,6 +31,9 @@ _RETRIES: Final = (1, 30)
 #: Seconds that a closing session waits for messages that are not yet acknowledged.
 _CLOSE_TIMEOUT: Final = 1.0
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
+#: Maximum size in bytes of a message that the broker may send: the largest request, its topic and properties.
+#: A broker discards larger ones (Maximum Packet Size of MQTT 5).
+MAX_PACKET: Final = MAX_REQUEST + (256 << 10)
 _RETAIN_ALL: Final = 0
 _RETAIN_NOTHING: Final = 2
 _MIN_QOS_WITH_ACK: Final = 1
@@ -97,6 +101,7 @@ class Arrived:
         retained: It is an old one that the broker kept.
         response_topic: Where the sender wants the answer; empty: nowhere.
         correlation: What the answer has to contain, so that the sender knows it.
+        discarded: The size of a payload of more than `MAX_REQUEST` bytes, which was discarded; else 0.
     """
 
     topic: str
@@ -104,6 +109,7 @@ class Arrived:
     retained: bool = False
     response_topic: str = ""
     correlation: bytes = b""
+    discarded: int = 0
 
 
 class Session:
@@ -189,7 +195,9 @@ class Session:
         self._first = self._loop.create_future()
         first_only = self._module.MQTT_CLEAN_START_FIRST_ONLY
         host, port = self._broker.host, self._broker.port
-        self._client.connect_async(host, port, KEEP_ALIVE, clean_start=first_only)
+        properties = self._module.Properties(self._module.PacketTypes.CONNECT)
+        properties.MaximumPacketSize = MAX_PACKET
+        self._client.connect_async(host, port, KEEP_ALIVE, clean_start=first_only, properties=properties)
         self._client.loop_start()
         try:
             async with asyncio.timeout(timeout):
@@ -276,12 +284,15 @@ class Session:
             topic = message.topic
         except UnicodeDecodeError:
             return  # the broker does not check the topics of its clients
+        payload = bytes(message.payload)
+        discarded = len(payload) if len(payload) > MAX_REQUEST else 0
         arrived = Arrived(
             topic,
-            bytes(message.payload),
+            b"" if discarded else payload,
             bool(message.retain),
             getattr(properties, "ResponseTopic", ""),
             bytes(getattr(properties, "CorrelationData", b"")),
+            discarded,
         )
         if self._arrivals is not None:
             self._arrivals.put(arrived)

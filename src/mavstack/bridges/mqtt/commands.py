@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.bridges.core.plain_json import json_bytes
+from mavstack.bridges.core.plain_json import MAX_REQUEST, json_bytes
 from mavstack.bridges.mqtt.verbs import answer, failure
 from mavstack.errors import InvalidArgumentError, InvalidStateError
 
@@ -66,6 +66,8 @@ class Commands:
         verb = message.topic.removeprefix(self._prefix)
         if message.retained:
             self._reply(message, verb, failure(InvalidArgumentError(_RETAINED)))
+        elif message.discarded:
+            self._reply(message, verb, failure(InvalidArgumentError(_TOO_LARGE.format(message.discarded))))
         elif len(self._tasks) >= MAX_COMMANDS:
             self._reply(message, verb, failure(InvalidStateError(_BUSY)))
         else:
@@ -99,4 +101,5 @@ class Commands:
 _RETAINED: Final = (
     "the broker kept this command from an unknown time; publish commands without the flag `retain`"
 )
+_TOO_LARGE: Final = f"the request has {{}} bytes, at most {MAX_REQUEST} are allowed"
 _BUSY: Final = f"{MAX_COMMANDS} commands are under way; wait until one of them is done"

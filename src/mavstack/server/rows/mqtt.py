@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from time import time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
+logger = logging.getLogger("mavstack.links")
 MAX_TOPICS: Final = 64
 _OPTIONS: Final = MappingProxyType(
     {
@@ -98,7 +100,9 @@ class MqttLink(Link):
             channel.close(f"the broker is away: {reason}")
 
     def _take(self, message: Arrived) -> None:
-        if self._channel is not None and not self.closed:
+        if message.discarded:
+            logger.warning("%s: a message with %d bytes is discarded", message.topic, message.discarded)
+        elif self._channel is not None and not self.closed:
             self._channel.last_received = now = time()
             self.inbox.deliver(self._channel, message.payload, now)
 
