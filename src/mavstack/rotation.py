@@ -70,9 +70,9 @@ def turned(quaternion: Quaternion, rates: Vector, dt: float) -> Quaternion:
 
 def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return the attitude of three angles in radians, turned in the order yaw, pitch, roll."""
-    cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
-    cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
-    cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
+    cos, sin = math.cos, math.sin
+    roll, pitch, yaw = 0.5 * roll, 0.5 * pitch, 0.5 * yaw
+    cr, sr, cp, sp, cy, sy = cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw)
     return (
         cr * cp * cy + sr * sp * sy,
         sr * cp * cy - cr * sp * sy,

@@ -15,6 +15,7 @@ from mavstack.bridges.core.frames import (
     from_ros_attitude,
     ned_enu,
     ned_to_enu_yaw,
+    ros_attitude_of,
     rotate,
     to_ros_attitude,
 )
@@ -43,6 +44,11 @@ def test_attitudes_turn_vectors_as_those_of_mavlink(
     in_ned = rotate((i, j, k, w), (x, y, z))
     in_enu = rotate(to_ros_attitude(w, i, j, k), frd_flu(x, y, z))
     assert in_enu == pytest.approx(ned_enu(*in_ned), abs=1e-6)
+
+
+@given(angles, angles, angles)
+def test_angles_make_the_same_attitude(roll: float, pitch: float, yaw: float) -> None:
+    assert ros_attitude_of(roll, pitch, yaw) == pytest.approx(to_ros_attitude(*from_euler(roll, pitch, yaw)))
 
 
 @given(angles, angles, angles)

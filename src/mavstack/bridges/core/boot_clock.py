@@ -52,16 +52,15 @@ class BootClock:
             found = boot - self.timesync_offset
             if abs(found - arrival) < MAX_AGE:
                 return min(found, arrival)
-        return self._plausible(boot + self._shortest_delay(arrival - boot, arrival), arrival)
-
-    def _shortest_delay(self, delay: int, arrival: int) -> int:
-        known = self._delay
-        if known is not None:
-            known += int((arrival - self._updated) * DRIFT)
-        if known is None or delay < known or delay - known > MAX_AGE:
-            known = delay
-        self._delay, self._updated = known, arrival
-        return known
+        # Each stamp of each message comes here: one function, without calls.
+        delay = arrival - boot
+        if self._delay is not None:
+            known = self._delay + int((arrival - self._updated) * DRIFT)
+            if 0 <= delay - known <= MAX_AGE:
+                delay = known
+        self._delay, self._updated = delay, arrival
+        found = boot + delay
+        return found if 0 <= arrival - found < MAX_AGE else arrival
 
     @staticmethod
     def _plausible(time: int, arrival: int) -> int:

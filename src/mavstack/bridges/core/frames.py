@@ -15,9 +15,11 @@ if TYPE_CHECKING:
 from math import pi, remainder, sqrt
 from typing import Final
 
+from mavstack.rotation import from_euler
 from mavstack.rotation import rotate as rotate_vector
 
 _HALF: Final = sqrt(0.5)
+_EAST: Final = pi / 2
 
 
 def ned_enu(x: float, y: float, z: float) -> Vector:
@@ -33,6 +35,12 @@ def frd_flu(x: float, y: float, z: float) -> Vector:
 def to_ros_attitude(w: float, x: float, y: float, z: float) -> Quaternion:
     """Return the attitude of a FLU body in ENU as (x, y, z, w), for a FRD body in NED as (w, x, y, z)."""
     return _HALF * (x + y), _HALF * (x - y), _HALF * (w - z), _HALF * (w + z)
+
+
+def ros_attitude_of(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Return the attitude of a FLU body in ENU as (x, y, z, w), for three angles of a FRD body in NED."""
+    w, x, y, z = from_euler(roll, -pitch, _EAST - yaw)
+    return x, y, z, w
 
 
 def from_ros_attitude(x: float, y: float, z: float, w: float) -> Quaternion:

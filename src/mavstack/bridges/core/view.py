@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.bridges.core.boot_clock import BootClock
-from mavstack.bridges.core.frames import frd_flu, to_ros_attitude
+from mavstack.bridges.core.frames import frd_flu, ros_attitude_of, to_ros_attitude
 from mavstack.bridges.core.geoid import undulation
 from mavstack.dialects import Message, common
-from mavstack.rotation import from_euler
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -96,7 +95,7 @@ class VehicleView:
             return to_ros_attitude(quaternion.q1, quaternion.q2, quaternion.q3, quaternion.q4)
         if angles is None:
             return to_ros_attitude(1.0, 0.0, 0.0, 0.0)
-        return to_ros_attitude(*from_euler(angles.roll, angles.pitch, angles.yaw))
+        return ros_attitude_of(angles.roll, angles.pitch, angles.yaw)
 
     def rates(self) -> tuple[float, float, float]:
         """Return the last angular rates in FLU, rad/s; zero before the first ones."""

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.bridges.core.frames import (
     frd_flu,
     ned_enu,
+    ros_attitude_of,
     to_ros_attitude,
 )
 from mavstack.bridges.core.qos import DEFAULT, SENSOR, Qos
 from mavstack.bridges.core.row import Publication, Source, Values, fields
 from mavstack.bridges.core.view import to_ellipsoid
 from mavstack.dialects import ardupilotmega, common
-from mavstack.rotation import from_euler
 
 if TYPE_CHECKING:
     from mavstack.bridges.core.view import VehicleView
@@ -134,7 +134,7 @@ def gimbal_attitude(message: Any, _view: VehicleView) -> Values:
 def mount_orientation(message: Any, _view: VehicleView) -> Values:
     """Return geometry_msgs/Quaternion of a mount, FLU in ENU."""
     angles = (radians(message.roll), radians(message.pitch), radians(message.yaw_absolute))
-    return to_ros_attitude(*from_euler(*angles))
+    return ros_attitude_of(*angles)
 
 
 def mount_status(message: Any, _view: VehicleView) -> Values:

@@ -11,13 +11,13 @@ from mavstack.bridges.core.frames import (
     flip_body,
     frd_flu,
     ned_enu,
+    ros_attitude_of,
     rotate,
     to_ros_attitude,
 )
 from mavstack.bridges.core.qos import DEFAULT
 from mavstack.bridges.core.row import Publication, Values
 from mavstack.dialects import ardupilotmega, common
-from mavstack.rotation import from_euler
 
 if TYPE_CHECKING:
     from mavstack.bridges.core.view import VehicleView
@@ -64,7 +64,7 @@ def imu(message: Any, view: VehicleView) -> Values | None:
     if isinstance(message, common.Attitude):
         if view.latest(common.AttitudeQuaternion) is not None:
             return None
-        attitude = to_ros_attitude(*from_euler(message.roll, message.pitch, message.yaw))
+        attitude = ros_attitude_of(message.roll, message.pitch, message.yaw)
     else:
         attitude = to_ros_attitude(message.q1, message.q2, message.q3, message.q4)
     measured = acceleration(_latest_imu(view))
@@ -72,7 +72,9 @@ def imu(message: Any, view: VehicleView) -> Values | None:
     return (
         *attitude,
         *_diagonal(noise.orientation),
-        *frd_flu(message.rollspeed, message.pitchspeed, message.yawspeed),
+        message.rollspeed,
+        -message.pitchspeed,
+        -message.yawspeed,
         *_diagonal(noise.rate),
         *(measured or (0.0, 0.0, 0.0)),
         *(_diagonal(noise.acceleration) if measured else _UNKNOWN_3),
