@@ -90,7 +90,9 @@ def packet_of(request: Mapping[str, Any]) -> bytes:
     header, message = request.get("header"), request.get("message")
     if not isinstance(header, dict) or not isinstance(message, dict):
         raise InvalidArgumentError("a message must have the fields header and message")
-    fields = {_ORIGINAL.get(name, name): value for name, value in message.items() if name != "type"}
+    fields: dict[str, Any] = {
+        _ORIGINAL.get(name, name): value for name, value in message.items() if name != "type"
+    }
     try:
         kind = Dialect.load("all")[str(message.get("type"))]
         enums = {field.name for field in kind.definition.fields if field.enum}
