@@ -65,6 +65,13 @@ def test_version_1(cuts, corrections):
     assert client.is_streaming
 
 
+@pytest.mark.parametrize("empty_line", [b"", b"\r\n"])
+@given(CUTS, st.binary(max_size=50).filter(lambda data: not data.startswith(b"\r")))
+def test_the_empty_line_of_version_1_is_not_a_part_of_the_corrections(empty_line, cuts, corrections):
+    client = NtripClient(URL)
+    assert fed(client, b"ICY 200 OK\r\n" + empty_line + corrections, cuts) == corrections
+
+
 @given(CUTS, st.lists(st.binary(min_size=1, max_size=90)))
 def test_version_2_in_chunks(cuts, parts):
     body = b"".join(b"%x;ext=1\r\n%s\r\n" % (len(part), part) for part in parts)
@@ -72,6 +79,19 @@ def test_version_2_in_chunks(cuts, parts):
     client = NtripClient(URL)
     assert fed(client, head + body, cuts) == b"".join(parts)
     assert client.is_streaming
+
+
+@pytest.mark.parametrize("size", [64, 65])
+@given(CUTS)
+def test_the_size_of_a_chunk_is_a_short_line_in_any_cut(size, cuts):
+    client = NtripClient(URL)
+    head = b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n"
+    answer = head + b"3;" + b"x" * (size - 2) + b"\r\nabc\r\n"
+    if size == 64:
+        assert fed(client, answer, cuts) == b"abc"
+        return
+    with pytest.raises(CasterError, match="malformed"):
+        fed(client, answer, cuts)
 
 
 @given(CUTS)

@@ -27,6 +27,8 @@ _MAX_HEADER: Final = 16_384
 _MAX_TABLE: Final = 4_000_000
 _USER_AGENT: Final = "NTRIP Mavstack/1.0"
 _END_OF_TABLE: Final = b"ENDSOURCETABLE"
+_MAX_CHUNK_LINE: Final = 64
+_EMPTY_LINE: Final = b"\r\n"
 #: Status codes after which a retry is useless.
 _PERMANENT: Final = frozenset({400, 401, 403, 404, 407})
 
@@ -168,7 +170,7 @@ class NtripClient:
     def __init__(self, url: NtripURL) -> None:
         self._url = url
         self._buffer = bytearray()
-        self._body: _PlainBody | _ChunkedBody | None = None
+        self._body: _PlainBody | _IcyBody | _ChunkedBody | None = None
         self._is_table = False
         self._table = bytearray()
         #: True once the caster accepted the request; False before.
@@ -225,7 +227,7 @@ class NtripClient:
             return b""
         status = line.decode("latin-1").strip()
         if status.startswith("ICY 200"):
-            return self._begin(len(line) + 2, _PlainBody())
+            return self._begin(len(line) + 2, _IcyBody())
         head, separator, _ = bytes(self._buffer).partition(b"\r\n\r\n")
         if not separator and not status.startswith("SOURCETABLE"):
             if len(self._buffer) > _MAX_HEADER:
@@ -258,12 +260,11 @@ class NtripClient:
         if code != 200 or not status.startswith("HTTP/"):
             raise self._failed(f"it answered {status[:80]!r}", permanent=code in _PERMANENT)
 
-    def _begin(self, start: int, body: _PlainBody | _ChunkedBody) -> bytes:
+    def _begin(self, start: int, body: _PlainBody | _IcyBody | _ChunkedBody) -> bytes:
         self._body, self.is_streaming = body, not self._is_table
         rest = bytes(self._buffer[start:])
         self._buffer.clear()
-        # Casters of version 1 send an empty line behind ICY 200 OK, or none.
-        return rest.removeprefix(b"\r\n") if isinstance(body, _PlainBody) and self.is_streaming else rest
+        return rest
 
     def _read_table(self, content: bytes) -> None:
         self._table += content
@@ -284,6 +285,23 @@ class _PlainBody:
 
     def feed(self, data: bytes) -> bytes:
         return data
+
+
+class _IcyBody:
+    """The body of a caster of version 1, which sends an empty line behind ICY 200 OK, or none."""
+
+    def __init__(self) -> None:
+        self._line: bytes | None = b""
+
+    def feed(self, data: bytes) -> bytes:
+        if self._line is None:
+            return data
+        start = self._line + data
+        if len(start) < len(_EMPTY_LINE) and _EMPTY_LINE.startswith(start):
+            self._line = start
+            return b""
+        self._line = None
+        return start.removeprefix(_EMPTY_LINE)
 
 
 class _ChunkedBody:
@@ -314,9 +332,9 @@ class _ChunkedBody:
 
     def _read_size(self) -> bool:
         line, separator, _ = bytes(self._buffer[:_MAX_HEADER]).partition(b"\r\n")
+        if len(line) > _MAX_CHUNK_LINE + (not separator):
+            raise self._malformed()
         if not separator:
-            if len(self._buffer) > 64:
-                raise self._malformed()
             return False
         try:
             size = int(line.split(b";")[0], 16)
