@@ -5,7 +5,7 @@ from math import isnan, nan, sqrt
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import InvalidArgumentError, InvalidTypeError
 from mavstack.services.external import Frame, PoseEstimate
 
 FRAMES = common.MavFrame
@@ -72,3 +72,9 @@ def test_mocap_needs_a_whole_pose():
 def test_impossible_estimates_are_refused(values):
     with pytest.raises(InvalidArgumentError):
         PoseEstimate(**values)
+
+
+@pytest.mark.parametrize("values", [{"reset_counter": 1.5}, {"reset_counter": 2.0}, {"quality": 50.5}])
+def test_fractional_counters_are_refused(values):
+    with pytest.raises(InvalidTypeError, match=f"{next(iter(values))} must be a whole number"):
+        PoseEstimate((1, 2, 3), **values)

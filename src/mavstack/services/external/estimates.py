@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, SupportsIndex
 
 from mavstack.dialects import common
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import InvalidArgumentError, InvalidTypeError
 from mavstack.rotation import rotate, to_euler
 from mavstack.services.external.frames import (
     FULL,
@@ -76,6 +76,8 @@ class PoseEstimate:
         self._check_vectors()
         if len(self.pose_covariance) or len(self.velocity_covariance):
             self._check_covariances()
+        _check_whole("reset_counter", self.reset_counter)
+        _check_whole("quality", self.quality)
         if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
             raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
 
@@ -189,6 +191,11 @@ def as_frame(frame: Frame | str) -> Frame:
 
 def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
     return covariance_to_mavlink(frame, covariance) if covariance else nan_triangle()
+
+
+def _check_whole(name: str, value: object) -> None:
+    if type(value) is not int and not isinstance(value, SupportsIndex):
+        raise InvalidTypeError(f"{name} must be a whole number, got {value!r:.60}")
 
 
 def _check_numbers(name: str, values: Sequence[float], size: int) -> None:
