@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from tests.sim.harness import SimulationHarness, VehicleHarness, airborne
 
-LEVEL = common.MavCollisionThreatLevel
+ACTION, LEVEL = common.MavCollisionAction, common.MavCollisionThreatLevel
 
 
 def aircraft(one: VehicleHarness, north: float, *, east: float = 0.0, up: float = 0.0, speed: float = 50.0):
@@ -124,3 +124,104 @@ def test_a_vehicle_on_the_ground_does_nothing():
     one.send(aircraft(one, 500.0))
     one.run(2)
     assert not one.texts.first("Traffic alert")
+
+
+def plane(**parameters: float) -> VehicleHarness:
+    one = airborne("plane", "ardupilot", AVD_ENABLE=1, **parameters)
+    one.receiving = True
+    one.enter("FBWB").run(1)
+    return one
+
+
+def threaten(one: VehicleHarness, seconds: int, **place: float) -> None:
+    """Let an aircraft come from the same direction all the time."""
+    for _ in range(seconds):
+        one.send(aircraft(one, 900.0, **place))
+        one.run(1)
+
+
+def test_a_plane_warns_at_the_distances_of_planes():
+    one = plane()
+    one.send(aircraft(one, 1500.0, east=800.0))  # a copter warns within 300 m
+    one.run(2)
+    assert {each.threat_level for each in collisions(one)} == {LEVEL.LOW}
+    one.send(aircraft(one, 1000.0, east=200.0))
+    one.run(1)
+    assert (collisions(one)[-1].threat_level, collisions(one)[-1].action) == (LEVEL.HIGH, ACTION.REPORT)
+    assert one.mode == "FBWB"
+
+
+@pytest.mark.parametrize(
+    ("action", "mode"), [(2, "AVOID_ADSB"), (3, "AVOID_ADSB"), (4, "AVOID_ADSB"), (5, "RTL"), (6, "LOITER")]
+)
+def test_a_plane_avoids_and_returns_to_its_mode(action, mode):
+    one = plane(AVD_F_ACTION=action, AVD_F_RCVRY=1)
+    begin = one.vehicle.body.truth
+    threaten(one, 1, east=20.0, up=-20.0)
+    assert one.mode == mode
+    assert collisions(one)[-1].action == action
+    assert f"Avoid: Performing action: {action}" in one.texts
+    target = one.vehicle.autopilot.target
+    threaten(one, 3, east=20.0, up=-20.0)
+    truth = one.vehicle.body.truth
+    if action in (2, 4):
+        assert target[2] == pytest.approx(begin.down - 10, abs=3)  # the aircraft is below: it climbs
+    if action == 2:
+        assert truth.down < begin.down - 3
+    if action == 3:
+        assert truth.down == pytest.approx(begin.down, abs=5)
+    if action in (3, 4):
+        assert truth.velocity_east < -5  # away from the course of the aircraft
+    one.send(aircraft(one, -3000.0))
+    one.run(5)
+    assert one.mode == "FBWB"
+    assert "Avoid: Resuming with action: 1" in one.texts
+
+
+@pytest.mark.parametrize(("altitude", "descends"), [(100.0, True), (200.0, False)])
+def test_a_plane_descends_only_above_the_altitude_of_its_return(altitude, descends):
+    one = plane(AVD_F_ACTION=2, RTL_ALTITUDE=altitude)
+    begin = one.vehicle.body.truth
+    threaten(one, 6, up=20.0)
+    assert (one.vehicle.body.truth.down > begin.down + 4) is descends
+    assert collisions(one)[-1].action == (ACTION.ASCEND_OR_DESCEND if descends else ACTION.NONE)
+
+
+@pytest.mark.parametrize(("choice", "mode"), [(0, "AVOID_ADSB"), (2, "RTL"), (3, "AVOID_ADSB")])
+def test_a_plane_continues_by_its_recovery(choice, mode):
+    one = plane(AVD_F_ACTION=3, AVD_F_RCVRY=choice)
+    threaten(one, 4)
+    one.send(aircraft(one, -3000.0))
+    one.run(5)
+    assert one.mode == mode
+    place = one.vehicle.autopilot.target
+    away = max(abs(place[axis] - one.vehicle.autopilot.maneuvers.place[axis]) for axis in (0, 1))
+    assert (away > 5000) is (choice == 0)
+
+
+def test_a_plane_that_a_person_took_over_keeps_its_mode():
+    one = plane(AVD_F_ACTION=5, AVD_F_RCVRY=1)
+    one.send(aircraft(one, 900.0))
+    one.run(2)
+    one.enter("CRUISE")
+    one.send(aircraft(one, -3000.0))
+    one.run(5)
+    assert one.mode == "CRUISE"
+
+
+def test_a_plane_in_manual_does_nothing():
+    one = plane(AVD_F_ACTION=5)
+    one.enter("MANUAL")
+    one.send(aircraft(one, 900.0))
+    one.run(2)
+    assert one.mode == "MANUAL"
+    assert collisions(one)[-1].action == ACTION.NONE
+
+
+def test_a_copter_descends_only_above_the_altitude_of_its_return():
+    one = copter("ardupilot", AVD_ENABLE=1, AVD_F_ACTION=2, RTL_ALT=5000)
+    begin = one.vehicle.body.truth
+    one.send(aircraft(one, 900.0, up=20.0))
+    one.run(4)
+    assert one.mode == "AVOID_ADSB"
+    assert one.vehicle.body.truth.down == pytest.approx(begin.down, abs=1)

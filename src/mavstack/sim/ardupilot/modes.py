@@ -123,6 +123,7 @@ _PLANE_MODES: Final = (
     _mode(_PLANE.LOITER, "LOITER", partial(Brake, forward=True), _GUIDED),
     _mode(_PLANE.TAKEOFF, "TAKEOFF", PlaneTakeoff, _GUIDED),
     _mode(_PLANE.GUIDED, "GUIDED", Guided, _GUIDED),
+    _mode(_PLANE.AVOID_ADSB, "AVOID_ADSB", Guided, _GUIDED),
 )
 _HOVERING_MODES: Final = (
     _mode(

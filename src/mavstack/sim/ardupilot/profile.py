@@ -31,6 +31,7 @@ from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.ardupilot.traffic_avoidance import TrafficAvoidance
+from mavstack.sim.ardupilot.traffic_evasion import CopterEvasion, PlaneEvasion
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.external_range import ExternalRange
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
@@ -103,7 +104,7 @@ class ArdupilotProfile(FirmwareProfile):
             autopilot.watches.append(RegionOfInterestYaw(autopilot))
         if self.vehicle_type is VehicleType.COPTER:
             autopilot.watches += [CompassMotorCalibration(autopilot), EscCalibration(autopilot)]
-            TrafficAvoidance(autopilot)
+            TrafficAvoidance(autopilot, CopterEvasion(autopilot))
         if self.vehicle_type in _WITH_AVOIDANCE:
             register_avoidance(vehicle)
         watch_home(autopilot, self.vehicle_type)
@@ -111,6 +112,7 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(BootTexts(autopilot))
         if self.vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
             autopilot.watches.append(EmptyMission(autopilot))
+            TrafficAvoidance(autopilot, PlaneEvasion(autopilot))
         ArdupilotFailsafes(autopilot, self.mode_failure)
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
