@@ -223,6 +223,46 @@ def test_a_rover_that_stops_elsewhere_has_not(stand, options):
     run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.GROUND_ROVER)
 
 
+async def miss(harness, away):
+    """Let the rover pass the place, stand beside it, and report the end of its drive as ArduRover does."""
+    await drive(harness, 12.0, 6.0, away, interval=0.5)
+    harness.autopilot.send(common.MissionItemReached(seq=0))
+    await asyncio.sleep(5.0)
+
+
+def repositions(harness):
+    return [m for m in harness.autopilot.received if getattr(m, "command", None) == CMD.DO_REPOSITION]
+
+
+def test_a_rover_that_passed_the_place_far_beside_it_is_sent_there_again():
+    async def scenario(harness):
+        harness.autopilot.parameters.add("WP_RADIUS", 2.0)
+        await drive(harness, 20.0, interval=1.0)
+        going = asyncio.create_task(harness.vehicle.goto(*HERE, timeout=60))
+        await miss(harness, -3.6)
+        assert len(repositions(harness)) == 2
+        await drive(harness, -2.0, -1.0, interval=0.5)
+        await asyncio.wait_for(going, 5)
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.GROUND_ROVER)
+
+
+def test_a_rover_that_always_passes_the_place_fails_with_the_reason():
+    async def scenario(harness):
+        harness.autopilot.parameters.add("WP_RADIUS", 2.0)
+        await drive(harness, 20.0, interval=1.0)
+        going = asyncio.create_task(harness.vehicle.goto(*HERE))
+        for _ in range(3):
+            await miss(harness, -3.6)
+        with pytest.raises(
+            ActionTimeout, match=r"passed the location and stopped 3\.60 m away.*larger tolerance"
+        ):
+            await asyncio.wait_for(going, 5)
+        assert len(repositions(harness)) == 3
+
+    run_scenario(scenario, autopilot=SCRIPTED_ARDUPILOT, kind=common.MavType.GROUND_ROVER)
+
+
 @pytest.mark.parametrize("kind", SURFACE, ids=kind_name)
 def test_a_vehicle_without_altitude_does_not_move_up(kind):
     async def scenario(world, vehicle):

@@ -7,6 +7,9 @@
     flies on its wing       on a circle around the place, within the tolerance of the altitude; or within a
                             tolerance that was asked for, since then passing the place is enough
 
+ArduRover also ends its drive when it has passed the place, however far beside it, as after a wide turn: it
+reports MISSION_ITEM_REACHED and stands. It is sent there again then, `MAX_APPROACHES` times in all.
+
 Vehicles that drive have no altitude: some firmwares report one above home that is none (ArduRover 4.1).
 
 The default tolerances are what the firmwares keep while they stay at a place. Rovers and boats stop within a
@@ -21,6 +24,7 @@ from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.geodesy import distance
 from mavstack.services.arguments import check_number
@@ -33,6 +37,7 @@ from mavstack.vehicle.vehicle_type import VehicleType, flies_on_wing
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from mavstack.node import Listener
     from mavstack.vehicle.vehicle import Vehicle
 
 #: The time for which a vehicle within its tolerance must be slow, in seconds.
@@ -44,6 +49,8 @@ _BRAKING_FACTOR: Final = 3.0
 #: A vehicle that stays within its tolerance for this time in seconds has arrived, even if it moves: a boat
 #: in waves, a copter in gusts.
 LINGERING_TIME: Final = 15.0
+#: Number of approaches of a vehicle that drives and stops beside the place.
+MAX_APPROACHES: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +159,10 @@ class Arrival:
         self._settled = SustainedCondition(vehicle, SETTLED_TIME)
         self._lingering = SustainedCondition(vehicle, LINGERING_TIME)
         self._standing = SustainedCondition(vehicle, STANDING_TIME)
-        self._entered = False
+        self._missing = SustainedCondition(vehicle, STANDING_TIME)
+        self._entered = self._ended = False
+        #: Metres from the place at which a vehicle stopped that passed it; None while it did not.
+        self.missed_by: float | None = None
         self.circle = CircleTracker(vehicle)
 
     def reached(self) -> bool:
@@ -180,6 +190,26 @@ class Arrival:
         """Return a value that changes while a wing makes progress towards its circle."""
         circle = self.circle
         return None if circle.established else round(circle.swept / 15.0)
+
+    def begin_approach(self) -> Listener:
+        """Note whether the vehicle reports the end of its drive, until the result is closed."""
+        self._ended, self.missed_by = False, None
+        self._missing.update(False)
+        return self._vehicle.add_listener(common.MissionItemReached, self._note_end)
+
+    def miss(self) -> str | None:
+        """Return how a vehicle missed the place that has ended its drive; None if it did not."""
+        away, limit = self._away(), self._tolerance.ground
+        drives = self._tolerance.height is None and not self._on_wing
+        stands = self._missing.update(drives and self._ended and self._is_slow())
+        if not stands or away is None or away <= limit:
+            return None
+        self.missed_by = away
+        remedy = "allow a larger tolerance, or let it turn in tighter circles"
+        return f"it passed the location and stopped {away:.2f} m away, the tolerance is {limit:g} m; {remedy}"
+
+    def _note_end(self, report: common.MissionItemReached) -> None:
+        self._ended = self._ended or report.seq == 0
 
     def detail(self) -> str:
         """Return where the vehicle stays that does not arrive, for an error; empty if it is on its way."""

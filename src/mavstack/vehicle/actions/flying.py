@@ -11,13 +11,15 @@ acknowledges it:
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.errors import ActionTimeout
 from mavstack.geodesy import offset_location
 from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import MIN_PROGRESS, STALL_TIMEOUT, ActionGoal
-from mavstack.vehicle.actions.arrival import Arrival, check_tolerance, tolerance_if_waiting
+from mavstack.vehicle.actions.arrival import MAX_APPROACHES, Arrival, check_tolerance, tolerance_if_waiting
 from mavstack.vehicle.actions.limits import check_location, check_target, explain_far_target
 from mavstack.vehicle.actions.orbiting import Orbiting, check_radius
 from mavstack.vehicle.actions.preconditions import check_preconditions
@@ -118,7 +120,6 @@ async def _go(
     if radius is not None:
         await firmware.check_circle(radius, orbit=False)
     limits = await tolerance_if_waiting(vehicle, tolerance, wait, timeout)
-    timeout = remaining_timeout(vehicle, timeout, started)
     place = location.latitude, location.longitude
     arrival = Arrival(vehicle, lambda: place, location.altitude, limits, tolerance)
     goal = ActionGoal(
@@ -130,12 +131,27 @@ async def _go(
         signs=arrival.signs,
         min_progress=min(MIN_PROGRESS, limits.ground / 2),
         detail=arrival.detail,
+        failure=arrival.miss,
     )
-    request = firmware.goto(location, yaw=yaw, radius=radius)
-    with explain_far_target(vehicle, location):
-        await run_action(
-            vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
-        )
+    for approach in range(1, MAX_APPROACHES + 1):
+        request = firmware.goto(location, yaw=yaw, radius=radius)
+        left = remaining_timeout(vehicle, timeout, started)
+        try:
+            with explain_far_target(vehicle, location), closing(arrival.begin_approach()):
+                await run_action(
+                    vehicle,
+                    operation,
+                    request,
+                    lambda: goal,
+                    changes=firmware.changes,
+                    wait=wait,
+                    timeout=left,
+                )
+        except ActionTimeout:
+            if arrival.missed_by is None or approach == MAX_APPROACHES:
+                raise
+        else:
+            return
 
 
 async def move(
