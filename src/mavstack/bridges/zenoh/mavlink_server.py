@@ -91,7 +91,7 @@ def packet_of(request: Mapping[str, Any]) -> bytes:
     if not isinstance(header, dict) or not isinstance(message, dict):
         raise InvalidArgumentError("a message must have the fields header and message")
     fields: dict[str, Any] = {
-        _ORIGINAL.get(name, name): value for name, value in message.items() if name != "type"
+        str(_ORIGINAL.get(name, name)): value for name, value in message.items() if name != "type"
     }
     try:
         kind = Dialect.load("all")[str(message.get("type"))]
