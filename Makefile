@@ -15,13 +15,17 @@ FAST_WORKERS := $(or $(WORKERS),$(shell $(PYTHON) -c "import os; print((os.cpu_c
 # Hundreds of tests talk over real sockets in real time: a failed test runs once more, and the summary names it.
 PYTEST := $(BIN)/pytest --reruns 1 -r fER
 
+# Test files that name a marker, with the options $(2) of grep: each worker needs half a minute to collect all files.
+# tests/tiers.py makes sure that a file names the tiers of its tests.
+files_marked = $$(grep --recursive --files-with-matches --extended-regexp --include='test_*.py' $(2) 'mark\.($(1))' tests | LC_ALL=C sort)
+
 # The target for which the core is built with a sanitizer, so that build scripts are not.
 SANITIZED_HOST = $(shell uname -m)-unknown-linux-gnu
 
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust lint-station rust-tests test-programs docs format bench \
+.PHONY: rust demo station station-tests test flights interop nightly check newest lint lint-python lint-rust lint-station rust-tests test-programs compiled-tests docs format bench \
 	sanitize valgrind fuzz generate clean
 
 demo: $(VENV)/package ## Fly eight simulated vehicles and show their live picture; WEB=1: in the browser too
@@ -40,19 +44,25 @@ lint-station: $(VENV)/package
 # One core is busy with the link of the package or with downloads, the other one checks the Rust code.
 test: ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync rust-tests $(VENV)/installed
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python station-tests test-programs
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python station-tests test-programs compiled-tests
 	$(PYTEST) -n $(FAST_WORKERS) --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),30)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	$(PYTEST) -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),30)
+	$(PYTEST) -n $(or $(WORKERS),auto) --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),30) \
+	  $(call files_marked,flight|fast_cases)
 
 test-programs: $(VENV)/installed
 	@$(BIN)/python -m tools.compilers test
 
+# Beside the type check, once: otherwise each worker compiles all test modules. What fails here is reported by the tests.
+compiled-tests: $(VENV)/installed
+	@$(BIN)/pytest --collect-only > /dev/null || true
+
 # Compilers run apart, since the other programs have timeouts in real time.
 interop: $(VENV)/installed station ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	@$(BIN)/python -m tools.compilers interop
-	$(PYTEST) -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" --ignore tests/codegen
+	$(PYTEST) -n $(or $(WORKERS),4) --dist loadgroup --durations 10 -m "interop and not smoke and not nightly" \
+	  $(call files_marked,interop,--exclude-dir=codegen)
 	$(PYTEST) -n $(or $(WORKERS),auto) --dist loadgroup --durations 5 -m "interop and not smoke and not nightly" tests/codegen
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each

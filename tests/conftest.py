@@ -11,6 +11,7 @@ import pytest
 from hypothesis import is_hypothesis_test, settings
 
 from tests.seeds import REPORT, Seeds, blocks_of
+from tests.tiers import check_that_files_name_tiers
 from tests.time_limits import (  # noqa: F401 (hooks)
     pytest_runtest_call,
     pytest_runtest_setup,
@@ -66,9 +67,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.properties)
         if "seeds" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.seeds)
-        if item.get_closest_marker("interop"):
-            # External programs have timeouts in real time, which expire on a busy machine.
-            item.add_marker(pytest.mark.flaky(reruns=3))
+    check_that_files_name_tiers(items)
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
