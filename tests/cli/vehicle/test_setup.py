@@ -19,6 +19,12 @@ def test_from_the_command_line(mav, monkeypatch) -> None:
     assert items["low battery"]["remedy"] == "set COM_LOW_BAT_ACT, such as 3"
 
 
+def test_the_check_requests_the_home(mav, monkeypatch) -> None:
+    CliHarness(monkeypatch, (VehicleType.COPTER, "px4"), ready=True)
+    items = json.loads(mav("vehicle", "check", "--json").out)["items"]
+    assert {each["name"]: each["text"] for each in items}["home"] == "set"
+
+
 def test_the_command(mav, monkeypatch) -> None:
     CliHarness(monkeypatch)
     assert mav("vehicle", "airframe").out == "vehicle 1: quad, X (FRAME_CLASS 1, FRAME_TYPE 1)\n"

@@ -155,7 +155,7 @@ _ROWS: Final[Mapping[int, tuple[_Row, ...]]] = MappingProxyType(
 
 
 async def first_flight(vehicle: Vehicle) -> tuple[CheckItem, ...]:
-    """Return the check list of a vehicle; its parameters are downloaded if they are not yet.
+    """Return the check list of a vehicle; parameters and home are requested if they are not known yet.
 
     Args:
         vehicle: The vehicle.
@@ -168,6 +168,7 @@ async def first_flight(vehicle: Vehicle) -> tuple[CheckItem, ...]:
     """
     if firmware_of(vehicle).FEATURES.get("parameters", True) and not vehicle.params.is_complete:
         await vehicle.params.download()
+    await vehicle.telemetry.request_home()  # vehicles send it by themselves only when it changes
     values = {name: each.value for name, each in vehicle.params.cached.items()}
     return (*parameter_checks(int(vehicle.autopilot or 0), values), *_telemetry_checks(vehicle))
 
