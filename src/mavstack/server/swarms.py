@@ -48,14 +48,17 @@ class StationSwarm:
         """Return vehicles, the leader first.
 
         Args:
-            systems: Their system ids; None: those of the swarm, or all that are alive.
+            systems: Their system ids; None: the members of the swarm, or all that are alive if there is
+                none.
             lead: The system id of the leader; None: the one that leads or led last, or the first vehicle.
 
         Raises:
             RefusedError: A vehicle was not found, or there is none.
         """
-        if systems is None and self._swarm is not None and lead is None:
-            return list(self._vehicles)
+        if systems is None and self._swarm is not None:
+            if lead is None:
+                return list(self._vehicles)
+            systems = [each.system for each in self._vehicles]
         known = self._connection.vehicles
         wanted = sorted(known) if systems is None else list(dict.fromkeys(systems))
         if missing := [each for each in (*wanted, *([] if lead is None else [lead])) if each not in known]:

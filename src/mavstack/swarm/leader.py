@@ -26,7 +26,7 @@ MIN_COURSE_SPEED: Final = 0.5
 #: Seconds for which the leader's position is extrapolated.
 MAX_EXTRAPOLATION: Final = 1.0
 #: Time constant in seconds with which the course approaches the direction of the velocity.
-_COURSE_TIME: Final = 0.5
+COURSE_TIME: Final = 0.5
 
 
 def turn_rate_for(offsets: Points, speed: float, max_speed: float) -> float:
@@ -98,7 +98,7 @@ class LeaderFrame:
         if not (0.0 < step < math.inf) or math.hypot(north, east) < MIN_COURSE_SPEED:
             return
         error = math.remainder(math.degrees(math.atan2(east, north)) - self.course, 360.0)
-        wanted = error * min(1.0, step / _COURSE_TIME)
+        wanted = error * min(1.0, step / COURSE_TIME)
         change = math.copysign(min(abs(wanted), self.turn_rate * step), wanted)
         self.course = (self.course + change) % 360.0
         self._rate = change / step

@@ -240,4 +240,4 @@ def searcher_of(vehicle: Vehicle, frame: LocalFrame, speed: float | None) -> Sea
 
     position = vehicle.position
     start = None if position is None else to_metres(frame, [(position.latitude, position.longitude)])[0]
-    return Searcher(speed or Searcher().speed, start=start)
+    return Searcher(speed or vehicle.vehicle_type.typical_speed, start=start)

@@ -43,6 +43,11 @@ class VehicleType(StrEnum):
         """True if vehicles of this type may circle a position instead of hovering over it."""
         return self in (VehicleType.PLANE, VehicleType.VTOL)
 
+    @property
+    def typical_speed(self) -> float:
+        """The speed in m/s with which plans estimate durations and divide work, unless one is given."""
+        return _TYPICAL_SPEEDS.get(self, 5.0)
+
     @classmethod
     def of(cls, mav_type: int) -> VehicleType:
         """Return the vehicle type of a MAV_TYPE; `OTHER` for types that are not vehicles."""
@@ -55,6 +60,15 @@ def flies_on_wing(vehicle_type: VehicleType, vtol_state: int | None) -> bool:
     return vehicle_type is VehicleType.PLANE or (vehicle_type is VehicleType.VTOL and not hovers)
 
 
+_TYPICAL_SPEEDS: Final[Mapping[VehicleType, float]] = MappingProxyType(
+    {
+        VehicleType.PLANE: 15.0,
+        VehicleType.VTOL: 15.0,
+        VehicleType.ROVER: 2.0,
+        VehicleType.BOAT: 2.0,
+        VehicleType.SUB: 1.0,
+    }
+)
 _FLYING: Final = frozenset({VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL, VehicleType.OTHER})
 _COPTERS: Final = (
     _T.QUADROTOR, _T.COAXIAL, _T.HELICOPTER, _T.HEXAROTOR, _T.OCTOROTOR, _T.TRICOPTER, _T.DODECAROTOR,

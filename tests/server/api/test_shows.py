@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from math import cos, radians, sin
 
 import pytest
 
+from mavstack.geodesy import LocalFrame
+from mavstack.security.roles import Role
+from mavstack.server.access import Access
+from mavstack.server.api import shows
 from tests.server.stations import COPTER, PX4_COPTER, Ground, serve
 from tests.swarm.shows.samples import csv_archive, skyc
 
@@ -68,7 +73,11 @@ def test_a_show_is_flown_pauses_and_ends() -> None:
         await asyncio.sleep(10)
         busy = await api.request("POST", SHOW, data=skyc(3))
         assert (busy.status, "busy (show)" in busy.json["error"]["text"]) == (409, True)
-        paused = await api.post("/api/swarm/pause")
+        # The show is checked in a thread, which needs time that is not virtual.
+        await ground.wait_until(lambda: ground.station.swarm.values()["active"])
+        while (paused := await api.post("/api/swarm/pause")).status == 400:
+            assert "on no way" in paused.problem
+            await asyncio.sleep(0.1)
         assert (paused.status, paused.json["paused"], paused.json["action"]) == (200, True, "show")
         await asyncio.sleep(6)
         before = (await api.get("/api/swarm")).json["members"]
@@ -104,3 +113,67 @@ def test_flights_of_shows_are_refused(query: str, status: int, words: str) -> No
         assert (answer.status, words in answer.json["error"]["text"]) == (status, True), answer.json
 
     serve(COPTER, scenario)
+
+
+@pytest.mark.parametrize(("orientation", "bearing"), [(0.0, 270.0), (90.0, 0.0)])
+def test_a_show_is_turned_by_its_orientation(orientation: float, bearing: float) -> None:
+    """The show ends 15 m to the left of its origin."""
+
+    async def scenario(ground: Ground) -> None:
+        launched = await ground.api.post("/api/swarm/takeoff", {"altitude": 10})
+        origin = launched.json["members"][0]
+        place = f"latitude={origin['latitude']}&longitude={origin['longitude']}"
+        query = f"?systems=1&{place}&orientation={orientation}"
+        ended = await ground.api.request("POST", f"/api/swarm/show{query}", data=skyc(1))
+        assert ended.status == 200, ended.json
+        frame = LocalFrame(origin["latitude"], origin["longitude"], 0.0)
+        member = ended.json["members"][0]
+        north, east, _ = frame.to_local(member["latitude"], member["longitude"], 0.0)
+        turned = radians(bearing)
+        assert (north, east) == pytest.approx((15.0 * cos(turned), 15.0 * sin(turned)), abs=1.5)
+
+    serve(COPTER, scenario)
+
+
+def test_a_show_that_is_too_long_to_be_checked_is_not_flown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shows, "MAX_CHECKED", 1499)
+
+    async def scenario(ground: Ground) -> None:
+        answer = await ground.api.request("POST", "/api/swarm/show?systems=1", data=skyc(1))
+        assert answer.status == 400
+        assert "a show of 1 vehicles and 60 s is too long to be flown by the station" in answer.problem
+        assert (await ground.api.get("/api/swarm")).json["action"] is None
+
+    serve(COPTER, scenario)
+
+
+OBSERVED = [
+    ("POST", "/api/shows?name=circle.skyc"),
+    ("POST", "/api/swarm/show?name=circle.skyc&systems=1"),
+    ("POST", "/api/swarm/pause"),
+    ("POST", "/api/swarm/resume"),
+    ("POST", "/api/swarm/stop"),
+    ("POST", "/api/swarm/land"),
+    ("POST", "/api/swarm/takeoff"),
+    ("DELETE", "/api/swarm"),
+    ("PUT", "/api/vehicles/1/files/collmot/show.skyb"),
+]
+
+
+def test_an_observer_starts_stops_and_uploads_no_shows() -> None:
+    access = Access(passwords={Role.OBSERVE: "watching only", Role.ADMINISTER: "may do it all"})
+
+    async def scenario(ground: Ground) -> None:
+        api = ground.api
+        for password, allowed in (("watching only", False), ("may do it all", True)):
+            session = access.log_in("127.0.0.1", password=password).session
+            api.headers = {"authorization": f"Bearer {session}"}
+            assert (await api.get("/api/swarm")).status == 200
+            for method, path in OBSERVED:
+                body = skyc(1) if "show" in path else b""
+                answer = await api.request(method, path, data=body)
+                assert (answer.status != 403) is allowed, (path, answer.json)
+            if not allowed:
+                assert ground.simulation.vehicles[0].autopilot.armed is False
+
+    serve(COPTER, scenario, access=access)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.stations import COPTER, Ground, serve
 
 OUTLINE = [[47.3970, 8.5450], [47.3970, 8.5463], [47.3988, 8.5463], [47.3988, 8.5450]]
@@ -53,6 +54,23 @@ def test_a_search_begins_where_its_vehicle_is() -> None:
         assert answer.json["shares"][0]["legs"][0][0] == pytest.approx(center)
 
     serve(COPTER, scenario, full_telemetry=True)
+
+
+def test_a_duration_without_a_speed_is_that_of_the_vehicles_type() -> None:
+    async def scenario(ground: Ground) -> None:
+        vehicles = [{"system": 1}, {"system": 2}, {}, {"system": 1, "speed": 8}]
+        survey = {"outline": OUTLINE, "vehicles": vehicles}
+        search = {"center": OUTLINE[0], "vehicles": vehicles}
+        for path, body in (("/api/surveys", survey), ("/api/searches", search)):
+            shares = (await ground.api.post(path, body)).json["shares"]
+            assert [each["speed_m_s"] for each in shares] == [5.0, 15.0, 5.0, 8.0]
+            for each in shares:
+                assert each["duration_s"] == pytest.approx(each["way_m"] / each["speed_m_s"], abs=0.1)
+            assert shares[1]["length_m"] == pytest.approx(3 * shares[0]["length_m"], rel=0.01)
+            shares = (await ground.api.post(path, body | {"speed": 4})).json["shares"]
+            assert [each["speed_m_s"] for each in shares] == [4.0] * 4
+
+    serve([COPTER, (VehicleType.PLANE, Firmware.ARDUPILOT)], scenario)
 
 
 @pytest.mark.parametrize(

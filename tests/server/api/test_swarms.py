@@ -77,3 +77,42 @@ def test_slots_are_previewed_without_vehicles() -> None:
         assert "wedge" in (await ground.api.get("/api/swarm/formations")).json
 
     serve((), scenario)
+
+
+def test_a_call_with_a_leader_alone_is_for_the_members_of_the_swarm() -> None:
+    async def scenario(ground: Ground) -> None:
+        api = ground.api
+        await api.post("/api/swarm/takeoff", {"altitude": 15, "layer_spacing": 15})
+        moved = await api.post("/api/swarm/move", {"systems": [1, 2], "north": 5})
+        assert moved.json["systems"] == [1, 2]
+        moved = await api.post("/api/swarm/move", {"lead": 2, "north": 5})
+        assert (moved.json["systems"], moved.json["leader"]) == ([2, 1], 2)
+        before = ground.station.connection.vehicles[3].mode
+        stopped = await api.post("/api/swarm/stop", {"lead": 2})
+        assert stopped.json["systems"] == [2, 1]
+        assert ground.station.connection.vehicles[3].mode == before
+
+    serve([COPTER, COPTER, COPTER], scenario)
+
+
+def test_a_swarm_that_follows_a_leader_cannot_pause_on_its_way_to_the_formation_either() -> None:
+    async def scenario(ground: Ground) -> None:
+        api = ground.api
+        await api.post("/api/swarm/takeoff", {"altitude": 15, "layer_spacing": 15})
+        body = {"systems": [1, 2], "leader": 3, "shape": "line", "spacing": 15}
+        flight = asyncio.create_task(api.post("/api/swarm/follow", body))
+        await asyncio.sleep(3)
+        refused = await api.post("/api/swarm/pause")
+        assert (refused.status, "cannot pause" in refused.problem) == (400, True)
+        await asyncio.sleep(30)
+        assert (await api.post("/api/swarm/pause")).status == 400
+        assert (await api.get("/api/swarm")).json["paused"] is False
+        await api.post("/api/swarm/stop")
+        assert (await flight).status == 409
+        moving = asyncio.create_task(api.post("/api/swarm/move", {"systems": [1, 2], "north": 40}))
+        await asyncio.sleep(3)
+        assert (await api.post("/api/swarm/pause")).json["paused"] is True
+        await api.post("/api/swarm/stop")
+        await moving
+
+    serve([COPTER, COPTER, COPTER], scenario)

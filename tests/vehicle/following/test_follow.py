@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from math import hypot
+from math import cos, hypot, radians, sin
 
+import numpy as np
 import pytest
 
 from mavstack.errors import ActionInterrupted, ActionRefused, ActionUnsupported, InvalidArgumentError
+from mavstack.geodesy import LocalFrame
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.following.radio import FollowOptions
+from mavstack.vehicle.swarm.fleet import read_states
+from mavstack.vehicle.swarm.member import Member
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 LEADER = (VehicleType.COPTER, ARDUPILOT)
@@ -60,6 +64,50 @@ def test_a_copter_follows_behind_the_leaders_course(firmware, level, largest):
         await flight
 
     fly([LEADER, (VehicleType.COPTER, firmware)], scenario)
+
+
+async def slot_errors(leader, follower, offset, seconds):
+    """Return the distances of a follower from its slot, forward and right of its leader's course."""
+    found, members = [], [Member(leader), Member(follower)]
+    frame = LocalFrame(leader.position.latitude, leader.position.longitude, 0.0)
+    for _ in range(round(10 * seconds)):
+        await asyncio.sleep(0.1)
+        states = read_states(members, frame, leader.connection.now())
+        course = states.velocities[0, :2] / hypot(*states.velocities[0, :2])
+        right = (-course[1], course[0])
+        slot = states.positions[0, :2] + offset[0] * course + offset[1] * np.array(right)
+        found.append(hypot(*(states.positions[1, :2] - slot)))
+    return found
+
+
+async def turning(vehicle, rate):
+    """Drive the leader at 1.5 m/s, turning by some degrees a second."""
+    course = 0.0
+    async with vehicle.guided() as guided:
+        while True:
+            guided.velocity(north=1.5 * cos(course), east=1.5 * sin(course))
+            await asyncio.sleep(0.1)
+            course += radians(rate) / 10.0
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("rate", [0.0, 5.0, -5.0])
+def test_a_rover_keeps_its_slot_straight_on_and_in_a_turn(rate):
+    offset = (-10.0, 0.0)
+
+    async def scenario(world, _vehicle):
+        leader, follower = await in_the_air(world, [0.0, 0.0])
+        following = asyncio.create_task(follower.follow(leader, (*offset, 0.0), level="radio"))
+        driving = asyncio.create_task(turning(leader, rate))
+        await asyncio.sleep(15.0)
+        errors = await slot_errors(leader, follower, offset, 20.0)
+        assert np.mean(errors) < 0.5
+        assert max(errors) < 1.0
+        following.cancel()
+        driving.cancel()
+        await asyncio.gather(following, driving, return_exceptions=True)
+
+    fly([ROVER, ROVER], scenario)
 
 
 @pytest.mark.flight

@@ -40,10 +40,15 @@ def test_a_lost_leader_cancels_the_flight():
     run_virtually(scenario())
 
 
-def test_a_swarm_that_follows_a_leader_cannot_pause():
+@pytest.mark.parametrize("duration", [0.0, 12.0])
+def test_only_a_swarm_on_its_way_can_pause(duration):
+    """A pause before the first course, while a call checks its plan, would be lost when the course begins."""
     swarm = Swarm([SimpleNamespace()])
-    controller = SimpleNamespace(progress=(1.0, float("inf")), pace=SimpleNamespace(paused=False))
+    controller = SimpleNamespace(progress=(1.0, duration), pace=SimpleNamespace(paused=False))
     object.__setattr__(swarm, "_controller", controller)
-    with pytest.raises(InvalidArgumentError, match="cannot pause"):
+    if duration:
         swarm.pause()
-    assert not controller.pace.paused
+    else:
+        with pytest.raises(InvalidArgumentError, match="on no way"):
+            swarm.pause()
+    assert controller.pace.paused is bool(duration)

@@ -18,6 +18,7 @@ from mavstack.vehicle import connect
 from mavstack.vehicle.swarm.fleet import read_states
 from mavstack.vehicle.swarm.member import Member
 from tests.simulators.firmwares import free_port
+from tests.waiting import wait_until
 
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(300)]
 FRAME = LocalFrame(DEFAULT_HOME.latitude, DEFAULT_HOME.longitude, DEFAULT_HOME.altitude)
@@ -114,6 +115,7 @@ def test_a_real_ardurover_keeps_its_slot_in_follow_mode(firmware):
             following = asyncio.create_task(
                 follower.follow(leader, (-10.0, 0.0, 0.0), level="radio", duration=None)
             )
+            await wait_until(lambda: follower.mode == "FOLLOW", interval=0.05, now=connection.now)
             leading = asyncio.create_task(lead(leader, 24.0, 0.0))
             await asyncio.sleep(15.0)
             straight = await gaps(leader, follower, 8.0)

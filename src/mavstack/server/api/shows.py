@@ -124,11 +124,7 @@ def preview_show(data: bytes, query: ShowQuery) -> dict[str, Any]:
         InvalidArgumentError: It is too long for so many vehicles.
     """
     show = parse_show(data, query.name)
-    if len(show.vehicles) * show.duration * RATE > MAX_CHECKED:
-        raise InvalidArgumentError(
-            f"a show of {len(show.vehicles)} vehicles and {show.duration:.0f} s is too long for a preview: "
-            "use mav swarm show --check"
-        )
+    _check_length(show, "for a preview: use mav swarm show --check")
     distance = Margins(position=query.position_error, speed=query.speed).planned_distance
     report = check_show(show, ShowLimits(distance, Limits(query.speed, query.climb, query.acceleration)))
     return {
@@ -142,6 +138,14 @@ def preview_show(data: bytes, query: ShowQuery) -> dict[str, Any]:
         "problems": list(report.problems),
         "tracks": _tracks(show),
     }
+
+
+def _check_length(show: Show, words: str) -> None:
+    """Refuse a show whose check would need too much time and memory of the station."""
+    if len(show.vehicles) * show.duration * RATE > MAX_CHECKED:
+        raise InvalidArgumentError(
+            f"a show of {len(show.vehicles)} vehicles and {show.duration:.0f} s is too long {words}"
+        )
 
 
 def _tracks(show: Show) -> list[dict[str, Any]]:
@@ -174,6 +178,7 @@ async def _fly(call: Call[None, ShowFlight]) -> dict[str, Any]:
     origin, systems = query.origin, [int(each) for each in query.systems.split(",")]
     vehicles = swarm.select(systems, None)
     show = await asyncio.to_thread(parse_show, call.data, query.name)
+    _check_length(show, "to be flown by the station: use mav swarm show")
 
     async def work(flying: Swarm) -> None:
         await flying.show(show, origin=origin, orientation=query.orientation)

@@ -29,8 +29,11 @@ from mavstack.swarm.search.surveys import (
     to_metres,
 )
 from mavstack.vehicle.swarm.plan_json import share_json, survey_json
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mavstack.geodesy import LocalFrame
     from mavstack.server.station import Station
 
@@ -47,7 +50,13 @@ class SurveyVehicle(Fields):
     """A vehicle that takes a share."""
 
     system: Annotated[int | None, Meta(description="Its system id; null: it is not known.")] = None
-    speed: Annotated[float, Meta(description="Metres per second along the tracks.", gt=0)] = 5.0
+    speed: Annotated[
+        _AboveZero | None,
+        Meta(
+            description="Metres per second along the tracks; null: the ground speed of the plan, or what is "
+            "typical of the vehicle's type (15 of planes, 2 of rovers, 5 of copters and unknown vehicles)."
+        ),
+    ] = None
     endurance: Annotated[float, Meta(description="Time in the air relative to the others.", gt=0)] = 1.0
     start: Annotated[
         _Place | None, Meta(description="Latitude and longitude; null: where the vehicle is, if it is known.")
@@ -70,7 +79,7 @@ class _PlanFields(Fields):
         Positive, Meta(description="Metres by which each further vehicle is higher.")
     ] = 5.0
     speed: Annotated[
-        _AboveZero | None, Meta(description="Ground speed in m/s; null: that of the vehicles.")
+        _AboveZero | None, Meta(description="Ground speed in m/s, which missions set; null: they set none.")
     ] = None
     start_delay: Annotated[
         Positive, Meta(description="Seconds by which each further vehicle starts later.")
@@ -96,9 +105,20 @@ class _PlanFields(Fields):
     def searchers(self, frame: LocalFrame, station: Station | None = None) -> list[Searcher]:
         """Return the vehicles of the planner; a start that is null is where the station has the vehicle."""
         return [
-            Searcher(each.speed, each.endurance, _start(each, frame, station))
+            Searcher(self._speed(each, station), each.endurance, _start(each, frame, station))
             for each in self.vehicles or [SurveyVehicle()]
         ]
+
+    def speeds(self, searchers: Sequence[Searcher]) -> list[float]:
+        """Return the speeds for durations: the one that missions set, or those of the vehicles."""
+        return [self.speed or each.speed for each in searchers]
+
+    def _speed(self, each: SurveyVehicle, station: Station | None) -> float:
+        known = (
+            None if station is None or each.system is None else station.connection.vehicles.get(each.system)
+        )
+        kind = VehicleType.OTHER if known is None else known.vehicle_type
+        return each.speed or self.speed or kind.typical_speed
 
     def systems(self) -> list[int | None]:
         """Return the system ids of the vehicles."""
@@ -191,7 +211,7 @@ def plan_survey(body: PlanSurvey, station: Station | None = None) -> dict[str, A
         plan = plan_area(body.outline, searchers, survey, obstacles=body.obstacles or ())
     else:
         plan = plan_corridor(corners, body.width, searchers, survey)
-    return survey_json(plan, survey, body.systems())
+    return survey_json(plan, survey, body.systems(), body.speeds(searchers))
 
 
 def plan_pattern(body: PlanSearch, station: Station | None = None) -> dict[str, Any]:
@@ -206,12 +226,13 @@ def plan_pattern(body: PlanSearch, station: Station | None = None) -> dict[str, 
     """
     frame = frame_of([body.center])
     tracks = pattern_tracks(body.pattern, body.size, body.spacing, body.bearing)
-    shares = plan_search(tracks, body.searchers(frame, station), frame, body.mission())
+    searchers = body.searchers(frame, station)
+    shares = plan_search(tracks, searchers, frame, body.mission())
     return {
         "spacing_m": body.spacing,
         "shares": [
-            share_json(share, frame, system, body.speed)
-            for share, system in zip(shares, body.systems(), strict=True)
+            share_json(share, frame, system, speed)
+            for share, system, speed in zip(shares, body.systems(), body.speeds(searchers), strict=True)
         ],
     }
 
@@ -238,6 +259,7 @@ _SHARE: Final = {
     "altitude_m": 30.0,
     "length_m": 1000.0,
     "way_m": 1080.0,
+    "speed_m_s": 5.0,
     "duration_s": 216.0,
     "legs": [[[47.3970, 8.5450], [47.3988, 8.5450]]],
     "items": [_ITEM],

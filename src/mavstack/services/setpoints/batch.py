@@ -37,6 +37,7 @@ class SetpointBatch(Service):
         self._pending = tuple(setpoints)
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
+        # The link drops what it has no room for; a message that waited for room would be an old setpoint.
         pending, self._pending = self._pending, ()
         for message, target in pending:
             yield Outgoing(message, target, Priority.STREAM)

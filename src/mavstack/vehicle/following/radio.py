@@ -24,7 +24,7 @@ from mavstack.swarm.guard import Breach, Guard, GuardLimits
 from mavstack.vehicle.actions.preconditions import check_preconditions
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from mavstack.vehicle.following.relay import LeaderMotion
-from mavstack.vehicle.following.settings import FollowSettings, Place, follow_settings
+from mavstack.vehicle.following.settings import SURFACE, SURFACE_GAIN, FollowSettings, Place, follow_settings
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
@@ -114,7 +114,8 @@ class _RadioFlight:
         await self._leader.set_message_rate(common.GlobalPositionInt, self._options.rate)
         here = await self._leader.wait_for_message(common.GlobalPositionInt)
         self._frame = LocalFrame(here.lat / 1e7, here.lon / 1e7, 0.0)
-        self._motion = LeaderMotion(self._frame)
+        on_surface = all(vehicle.vehicle_type in SURFACE for vehicle in self._places)
+        self._motion = LeaderMotion(self._frame, SURFACE_GAIN if on_surface else None)
         self._motion.update(here, self._now())
         await asyncio.gather(*(self._request_position(vehicle) for vehicle in self._places))
         own, leader = self._leader.connection.address.system, self._leader.system

@@ -2,19 +2,26 @@
 
 Followers on other radios do not receive the leader, and no firmware sends FOLLOW_TARGET by itself, so this
 program sends both with its own system id, as ground stations do. The heading in them is the leader's course
-over ground, which turns at a limited rate: a vehicle in wind points elsewhere than it moves. Times are the
-leader's, since followers extrapolate by them and need a clock that advances evenly.
+over ground, which turns at a limited rate: a vehicle in wind points elsewhere than it moves. Places and times
+are the leader's, advanced to the time of sending: followers extrapolate from there, by a clock that has to
+advance evenly.
+
+ArduPilot takes the leader's velocity, though in a turn a slot moves across by its offset r times the turning
+rate ω. Its error is then the cross product of ω and r, divided by the gain k of its position (FOLL_POS_P). A
+heading that is ahead by ω / k moves the slot by just that, which cancels this error for followers at any
+offset by one message to all. The lag of the course is added to it. Only a large gain makes the angle small
+enough for this.
 """
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import cos, radians, remainder, sin
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.dialects import common
-from mavstack.swarm.leader import LeaderFrame
+from mavstack.swarm.leader import COURSE_TIME, LeaderFrame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,6 +35,10 @@ TURN_RATE: Final = 45.0
 #: `est_capabilities` of FOLLOW_TARGET: position, velocity, attitude.
 _CAPABILITIES: Final = 1 | 2 | 8
 _UNKNOWN_HEADING: Final = 65_535
+#: Time constant in seconds of the measured turning rate.
+_RATE_TIME: Final = 1.0
+#: The largest angle in degrees by which a heading is ahead of the course.
+_MAX_AHEAD: Final = 45.0
 
 
 class LeaderMotion:
@@ -35,13 +46,20 @@ class LeaderMotion:
 
     Args:
         frame: A local frame near the leader, with its origin at height 0 above the sea.
+        gain: The gain in 1/s by which all followers correct their positions; None: headings are the course.
     """
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, gain: float | None = None) -> None:
         self._frame = frame
+        #: Seconds of turning by which headings are ahead of the course.
+        self._ahead = 0.0 if gain is None else 1.0 / gain + COURSE_TIME
+        #: Degrees per second, smoothed.
+        self._turning = 0.0
+        self._measured_course = 0.0
         self._leader: LeaderFrame | None = None
         self._last: common.GlobalPositionInt | None = None
-        self._sent_at: int | None = None
+        self._received_at = 0.0
+        self._measured_at: int | None = None
 
     @property
     def course(self) -> float:
@@ -53,7 +71,7 @@ class LeaderMotion:
 
         Args:
             message: The position.
-            now: Seconds.
+            now: Seconds, when it was received.
         """
         north, east, down = self._frame.to_local(message.lat / 1e7, message.lon / 1e7, message.alt / 1e3)
         if self._leader is None:
@@ -61,7 +79,7 @@ class LeaderMotion:
             self._leader = LeaderFrame(heading, TURN_RATE)
         velocity = np.array((message.vx, message.vy, -message.vz)) / 100.0
         self._leader.update(np.array((north, east, -down)), velocity, now)
-        self._last = message
+        self._last, self._received_at = message, now
 
     def slot(self, offset: tuple[float, float, float], now: float) -> Points:
         """Return the place of a follower in metres north, east, up of the frame."""
@@ -78,18 +96,44 @@ class LeaderMotion:
             now: Seconds.
         """
         last = self._last
-        if last is None or last.time_boot_ms == self._sent_at:
+        if last is None or last.time_boot_ms == self._measured_at:
             return
-        self._sent_at = last.time_boot_ms
-        self.slot((0.0, 0.0, 0.0), now)  # called to turn the course up to the present time
-        half = radians(self.course) / 2.0
+        north, east, up = self.slot(
+            (0.0, 0.0, 0.0), now
+        ).tolist()  # turns the course to the present time, too
+        self._measure_turning(last.time_boot_ms)
+        latitude, longitude, altitude = self._frame.to_global(north, east, -up)
+        sent_at = last.time_boot_ms + round((now - self._received_at) * 1000.0)
+        lat, lon = round(latitude * 1e7), round(longitude * 1e7)
+        heading = self.course + min(max(self._ahead * self._turning, -_MAX_AHEAD), _MAX_AHEAD)
+        half = radians(heading) / 2.0
         yield common.FollowTarget(
-            timestamp=last.time_boot_ms,
+            timestamp=sent_at,
             est_capabilities=_CAPABILITIES,
-            lat=last.lat,
-            lon=last.lon,
-            alt=last.alt / 1e3,
+            lat=lat,
+            lon=lon,
+            alt=altitude,
             vel=(last.vx / 100.0, last.vy / 100.0, last.vz / 100.0),
             attitude_q=(cos(half), 0.0, 0.0, sin(half)),
         )
-        yield last.replace(hdg=round(self.course * 100.0) % 36_000)
+        climbed = round(altitude * 1e3) - last.alt
+        yield last.replace(
+            time_boot_ms=sent_at & 0xFFFF_FFFF,
+            lat=lat,
+            lon=lon,
+            alt=last.alt + climbed,
+            relative_alt=last.relative_alt + climbed,
+            hdg=round(heading * 100.0) % 36_000,
+        )
+
+    def _measure_turning(self, measured_at: int) -> None:
+        """Compare the course with the one before.
+
+        Args:
+            measured_at: The time of the position in milliseconds, by the leader's clock.
+        """
+        if self._measured_at is not None:
+            step = (measured_at - self._measured_at) / 1000.0
+            rate = remainder(self.course - self._measured_course, 360.0) / step
+            self._turning += (rate - self._turning) * min(1.0, max(step, 0.0) / _RATE_TIME)
+        self._measured_at, self._measured_course = measured_at, self.course

@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 PX4_MIN_HEIGHT: Final = 8.0
 #: The distance from the leader in metres below which PX4 does not follow.
 PX4_MIN_DISTANCE: Final = 1.0
-_SURFACE: Final = frozenset({VehicleType.ROVER, VehicleType.BOAT})
+SURFACE: Final = frozenset({VehicleType.ROVER, VehicleType.BOAT})
 #: The value of FOLL_OFS_TYPE for offsets relative to the leader's heading.
 _RELATIVE_TO_HEADING: Final = 1.0
 #: FOLL_POS_P of rovers and boats, in 1/s. In a turn a place moves unlike the leader, whose velocity
-#: the firmware takes: the error is the difference divided by the gain, metres with the default of 0.1.
-_SURFACE_GAIN: Final = 1.0
+#: the firmware takes: the error is the difference divided by the gain, metres with the default of 0.1. The
+#: relay cancels it (see `relay`).
+SURFACE_GAIN: Final = 1.0
 #: The value of FOLL_ALT_TYPE for altitudes above the sea.
 _ABOVE_SEA: Final = 0.0
 
@@ -83,7 +84,7 @@ def follow_settings(vehicle: Vehicle, place: Place, leader: int, height: float) 
 
 def _ardupilot(kind: VehicleType, place: Place, leader: int, height: float) -> FollowSettings | None:
     del height
-    if kind is not VehicleType.COPTER and kind not in _SURFACE:
+    if kind is not VehicleType.COPTER and kind not in SURFACE:
         return None
     if hypot(place.forward, place.right, place.up) == 0.0:
         raise InvalidArgumentError("the offset must not be 0: ArduPilot would keep the present place then")
@@ -94,8 +95,8 @@ def _ardupilot(kind: VehicleType, place: Place, leader: int, height: float) -> F
         "FOLL_OFS_X": place.forward,
         "FOLL_OFS_Y": place.right,
     }
-    if kind in _SURFACE:
-        parameters["FOLL_POS_P"] = _SURFACE_GAIN
+    if kind in SURFACE:
+        parameters["FOLL_POS_P"] = SURFACE_GAIN
     if kind is VehicleType.COPTER:
         parameters |= {"FOLL_OFS_Z": 0.0 - place.up, "FOLL_ALT_TYPE": _ABOVE_SEA}
     return FollowSettings("FOLLOW", MappingProxyType(parameters))

@@ -15,13 +15,16 @@ if TYPE_CHECKING:
     from mavstack.swarm.search.surveys import Survey, SurveyPlan
 
 
-def survey_json(plan: SurveyPlan, survey: Survey, systems: Sequence[int | None]) -> dict[str, Any]:
+def survey_json(
+    plan: SurveyPlan, survey: Survey, systems: Sequence[int | None], speeds: Sequence[float]
+) -> dict[str, Any]:
     """Return the plan of a survey as JSON.
 
     Args:
         plan: The plan.
         survey: How the area is surveyed.
         systems: The system id of each vehicle; None: it is not known.
+        speeds: The speed of each vehicle in m/s.
     """
     camera, altitude = survey.camera, survey.mission.altitude
     pixel = None if camera is None else camera.pixel_size(altitude)
@@ -33,27 +36,28 @@ def survey_json(plan: SurveyPlan, survey: Survey, systems: Sequence[int | None])
         "trigger_distance_m": round(survey.mission_options.trigger_distance, 3),
         "pixel_m": None if pixel is None else round(pixel, 5),
         "shares": [
-            share_json(share, plan.frame, system, survey.mission.speed)
-            for share, system in zip(plan.shares, systems, strict=True)
+            share_json(share, plan.frame, system, speed)
+            for share, system, speed in zip(plan.shares, systems, speeds, strict=True)
         ],
     }
 
 
-def share_json(share: Share, frame: LocalFrame, system: int | None, speed: float | None) -> dict[str, Any]:
+def share_json(share: Share, frame: LocalFrame, system: int | None, speed: float) -> dict[str, Any]:
     """Return the share of a vehicle as JSON.
 
     Args:
         share: The share.
         frame: The frame of its legs.
         system: The system id of the vehicle; None: it is not known.
-        speed: Ground speed in m/s; None: no duration is estimated.
+        speed: Ground speed in m/s, for the duration.
     """
     return {
         "system": system,
         "altitude_m": share.altitude,
         "length_m": round(share.length, 1),
         "way_m": round(share.way, 1),
-        "duration_s": None if speed is None else round(share.way / speed, 1),
+        "speed_m_s": speed,
+        "duration_s": round(share.way / speed, 1),
         "legs": [[_place(frame, track.start), _place(frame, track.end)] for track in share.tracks],
         "items": [item_json(seq, item) for seq, item in enumerate(share.items)],
     }

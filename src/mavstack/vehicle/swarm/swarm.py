@@ -64,6 +64,8 @@ class Swarm(ReadOnly):
         self._loop: asyncio.Task[None] | None = None
         self._fleet: Fleet | None = None
         self._course = 0.0
+        #: True while the call that runs follows a leader, on the way to the formation too.
+        self._follows = False
         self._origin: LocalFrame | None = None
 
     async def __aenter__(self) -> Self:
@@ -254,9 +256,11 @@ class Swarm(ReadOnly):
             course = Following(motion, offsets[plan.slots], now())
             await self._running.fly(course, members, until=duration, others=[target])
 
+        self._follows = True
         try:
             await fly_with_leader(flight(), target, motion, self._frame(), link_age)
         finally:
+            self._follows = False
             self._running.stand()
 
     async def show(
@@ -317,10 +321,13 @@ class Swarm(ReadOnly):
         The time of the course slows down, so members keep their ways and the distances of the plan.
 
         Raises:
-            InvalidArgumentError: The swarm follows a leader, which does not wait.
+            InvalidArgumentError: The swarm follows a leader, which does not wait, or no course has begun: a
+                call checks its plan first.
         """
-        if math.isinf(self._running.progress[1]):
+        if self._follows:
             raise InvalidArgumentError("a swarm that follows a leader cannot pause: stop it")
+        if self._running.progress[1] == 0.0:
+            raise InvalidArgumentError("the swarm is on no way that it could pause on: stop it, or try again")
         self._running.pace.paused = True
 
     def resume(self) -> None:
