@@ -40,6 +40,7 @@ _SOURCES: Final = (
     "src/mavstack/cli/dialect",
     "src/mavstack/files/parameters/traits.py",
     "src/mavstack/msp/messages",
+    "src/mavstack/msp/serial_ports.py",
     "src/mavstack/services/modes/names.py",
     "src/mavstack/vehicle/firmware",
     "backend/mavstack_station.py",

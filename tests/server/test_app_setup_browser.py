@@ -7,7 +7,9 @@ from contextlib import ExitStack
 
 import pytest
 
+from mavstack.msp.messages.config import BAUD_RATES, INAV_BAUD_RATES, SerialConfig
 from mavstack.sim.background import BackgroundSimulator
+from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import hold, open_pages, web_station
 
@@ -142,3 +144,22 @@ def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
     hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
     playwright.expect(page.get_by_text("The airframe is now: hexacopter X.")).to_be_visible()
     assert simulation.vehicles[1].parameters["SYS_AUTOSTART"] == 6001
+
+
+@pytest.mark.parametrize("firmware", ["betaflight", "inav"])
+def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(tmp_path, firmware) -> None:
+    target = BackgroundFlightController(firmware)
+    with target, web_station(tmp_path, target.url) as url, open_pages() as new_page:
+        page = new_page(f"{url}#/setup", phone=True)
+        open_section(page, "Serial ports")
+        page.get_by_label("Functions of UART2: GPS", exact=True).click()
+        page.get_by_role("checkbox", name="GPS at UART2", exact=True).uncheck()
+        page.get_by_role("checkbox", name="TELEMETRY MAVLINK at UART2", exact=True).check()
+        page.get_by_role("combobox", name="Bits per second of UART2").select_option("57600")
+        page.get_by_role("button", name="Set UART2").click()
+        playwright.expect(page.get_by_role("button", name="Set UART2")).to_be_disabled()
+        target.call(target.controller.power_cycle)
+        port = target.call(lambda: target.controller.system.settings.get(SerialConfig).ports[2])
+        assert "TELEMETRY_MAVLINK" in port.functions.name
+        rates = BAUD_RATES if firmware == "betaflight" else INAV_BAUD_RATES
+        assert rates[port.telemetry_baud] == 57600

@@ -53,8 +53,11 @@ def test_requests_without_their_fields_leave_plan_and_home() -> None:
             assert not answer["ok"]
             assert "needs the field" in answer["reason"]
         assert not (await call("cmd/set_home", {"current_gps": False, "latitude": 47.0}))["ok"]
+        assert not (await call("cmd/set_home", {"current_gps": 1}))["ok"]
         assert len(await vehicle.mission.download()) == 1
         assert vehicle.home == home
+        assert (await call("cmd/set_home", {"current_gps": True}))["ok"]
+        assert vehicle.home != home
 
     fly(COPTER, scenario)
 

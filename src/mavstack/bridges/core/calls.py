@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.endpoints import NO_CONTROL
 from mavstack.bridges.core.plain_json import plain
-from mavstack.bridges.core.row import Action
+from mavstack.bridges.core.row import Action, Service
 from mavstack.bridges.core.table import ACTIONS, SERVICES
 from mavstack.bridges.core.types import codec_of
 from mavstack.bridges.core.types.model import Container
@@ -27,7 +27,6 @@ from mavstack.errors import CdrError, InvalidArgumentError, InvalidStateError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.bridges.core.row import Service
     from mavstack.bridges.core.services.context import ServiceContext
     from mavstack.bridges.core.types import Definition
     from mavstack.security.roles import Role
@@ -87,7 +86,8 @@ def request_fields(row: Service | Action, request: Mapping[str, Any]) -> dict[st
     """
     is_action = isinstance(row, Action)
     codec = codec_of(f"{row.type}_{'Goal' if is_action else 'Request'}")
-    _check_given(codec.definition, row.required, request)
+    is_enough = isinstance(row, Service) and request.get(row.required_unless) is True
+    _check_given(codec.definition, () if is_enough else row.required, request)
     numbers = {field.name for field in codec.definition.fields if field.type.base in _FLOATS}
     given = {name: nan if value is None and name in numbers else value for name, value in request.items()}
     if is_action:

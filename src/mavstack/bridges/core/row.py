@@ -111,6 +111,7 @@ class Service:
         meaning: The MAVLink that it uses, for the table.
         difference: How it differs from MAVROS; empty: it does not.
         required: The fields that a request in JSON must have: their default values would act.
+        required_unless: A field that makes all other required fields superfluous if it is true; empty: none.
     """
 
     name: str
@@ -120,6 +121,7 @@ class Service:
     meaning: str = ""
     difference: str = ""
     required: tuple[str, ...] = ()
+    required_unless: str = ""
 
 
 @dataclass(frozen=True, slots=True)

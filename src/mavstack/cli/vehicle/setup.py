@@ -37,8 +37,9 @@ def add_actions(actions: Actions) -> None:
     action.add_argument("--keep-parameters", action="store_true", help="do not let PX4 reset its parameters")
     action.add_argument("--dry-run", action="store_true", help="show what would change, and change nothing")
     action = add_timed(actions, "ports", "show the serial ports, or set one", ports, fleet=False)
-    action.add_argument("port", nargs="?", metavar="PORT", help="the port to set, such as SERIAL2 or TEL1")
-    action.add_argument("--protocol", type=int, metavar="NUMBER", help="protocol of an ArduPilot port")
+    action.add_argument("port", nargs="?", metavar="PORT", help="the port to set: SERIAL2, TEL1, UART1 …")
+    protocol = "protocol of an ArduPilot port, or functions of a Betaflight or iNav port as bits"
+    action.add_argument("--protocol", type=int, metavar="NUMBER", help=protocol)
     action.add_argument("--baud", type=int, metavar="N", help="rate in bits per second")
 
 

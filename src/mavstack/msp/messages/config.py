@@ -212,7 +212,7 @@ class SetText(NamedText):
 
 
 class SerialFunction(IntFlag):
-    """Functions of a serial port of Betaflight; iNav has the first ones."""
+    """Functions of a serial port of Betaflight."""
 
     MSP = 1 << 0
     GPS = 1 << 1
@@ -235,33 +235,64 @@ class SerialFunction(IntFlag):
     OSD_CUSTOM_TEXT = 1 << 19
 
 
+class InavSerialFunction(IntFlag):
+    """Functions of a serial port of iNav; the first eight are those of Betaflight."""
+
+    MSP = 1 << 0
+    GPS = 1 << 1
+    TELEMETRY_FRSKY_HUB = 1 << 2
+    TELEMETRY_HOTT = 1 << 3
+    TELEMETRY_LTM = 1 << 4
+    TELEMETRY_SMARTPORT = 1 << 5
+    RX_SERIAL = 1 << 6
+    BLACKBOX = 1 << 7
+    TELEMETRY_MAVLINK = 1 << 8
+    TELEMETRY_IBUS = 1 << 9
+    RCDEVICE = 1 << 10
+    VTX_SMARTAUDIO = 1 << 11
+    VTX_TRAMP = 1 << 12
+    OPTICAL_FLOW = 1 << 14
+    LOG = 1 << 15
+    RANGEFINDER = 1 << 16
+    VTX_FFPV = 1 << 17
+    ESC_SENSOR = 1 << 18
+    TELEMETRY_SIM = 1 << 19
+    FRSKY_OSD = 1 << 20
+    DJI_HD_OSD = 1 << 21
+    SERVO_SERIAL = 1 << 22
+    SMARTPORT_MASTER = 1 << 23
+    IMU2 = 1 << 24
+    MSP_OSD = 1 << 25
+    GIMBAL = 1 << 26
+    GIMBAL_HEADTRACKER = 1 << 27
+
+
+# fmt: off
 BAUD_RATES = (
-    0,
-    9600,
-    19200,
-    38400,
-    57600,
-    115200,
-    230400,
-    250000,
-    400000,
-    460800,
-    500000,
-    921600,
-    1000000,
-    1500000,
-    2000000,
-    2470000,
+    0, 9600, 19200, 38400, 57600, 115200, 230400, 250000, 400000, 460800, 500000, 921600, 1000000, 1500000,
+    2000000, 2470000,
 )
 """Baud rates by their numbers in the settings of a serial port of Betaflight; 0 is automatic."""
+
+INAV_BAUD_RATES = (
+    0, 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 250000, 460800, 921600, 1000000, 1500000,
+    2000000, 2470000,
+)
+"""Baud rates by their numbers in the settings of a serial port of iNav; 0 is automatic."""
+# fmt: on
+
+_FUNCTIONS_16, _FUNCTIONS_32 = (
+    ByVariant(Number(kind, kind=SerialFunction), Number(kind, kind=InavSerialFunction))
+    for kind in ("u16", "u32")
+)
 
 
 @record
 class LegacySerialPort(Record):
-    """Functions and baud rates of a serial port; rates are positions in `BAUD_RATES`."""
+    """Functions and baud rates of a serial port; rates are positions in `BAUD_RATES` or `INAV_BAUD_RATES`."""
 
     port: int = u8()
-    functions: SerialFunction = u16(kind=SerialFunction)
+    functions: SerialFunction | InavSerialFunction = of(_FUNCTIONS_16)
     msp_baud: int = u8()
     gps_baud: int = u8()
     telemetry_baud: int = u8()
@@ -270,10 +301,10 @@ class LegacySerialPort(Record):
 
 @record
 class SerialPort(Record):
-    """Functions and baud rates of a serial port; rates are positions in `BAUD_RATES`."""
+    """Functions and baud rates of a serial port; rates are positions in `BAUD_RATES` or `INAV_BAUD_RATES`."""
 
     port: int = u8()
-    functions: SerialFunction = u32(kind=SerialFunction)
+    functions: SerialFunction | InavSerialFunction = of(_FUNCTIONS_32)
     msp_baud: int = u8()
     gps_baud: int = u8()
     telemetry_baud: int = u8()

@@ -23,12 +23,13 @@ from mavstack.msp.messages.codecs import (
     RestText,
     Text,
 )
-from mavstack.msp.messages.config import BAUD_RATES
+from mavstack.msp.messages.config import BAUD_RATES, INAV_BAUD_RATES
 from mavstack.msp.messages.fields import RecordCodec, layout_of
 from mavstack.msp.messages.modes import BETAFLIGHT_MODES, INAV_MODES
 from mavstack.msp.messages.osd_items import OSD_ITEMS
 from mavstack.msp.messages.pid import BETAFLIGHT_PID_NAMES, INAV_PID_NAMES
 from mavstack.msp.messages.registry import all_messages
+from mavstack.msp.serial_ports import PORT_NAMES
 
 if TYPE_CHECKING:
     from mavstack.msp.messages.layout import TableMessage
@@ -44,7 +45,7 @@ _KINDS: Final = {
 
 
 def msp_facts() -> dict[str, Any]:
-    """Return the messages, and the names of modes, items of the display and reasons not to arm.
+    """Return the messages, and the names of modes, items of the display, ports and reasons not to arm.
 
     Returns:
         A JSON object; the classes of messages are the keys of `messages`.
@@ -54,7 +55,8 @@ def msp_facts() -> dict[str, Any]:
         "modes": {"BTFL": BETAFLIGHT_MODES, "INAV": INAV_MODES},
         "pids": {"BTFL": BETAFLIGHT_PID_NAMES, "INAV": INAV_PID_NAMES},
         "osdItems": OSD_ITEMS,
-        "baudRates": BAUD_RATES,
+        "baudRates": {"BTFL": BAUD_RATES, "INAV": INAV_BAUD_RATES},
+        "portNames": dict(sorted(PORT_NAMES.items())),
         "armingReasons": {flag.value.bit_length() - 1: flag.name for flag in ArmingDisableFlag},
     }
 

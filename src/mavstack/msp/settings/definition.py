@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -34,43 +34,62 @@ _TYPES = {
     "u32": MavParamType.UINT32,
     "i32": MavParamType.INT32,
 }
-_PATH = re.compile(r"(\w+)(?:\[(\d+)\])?(?:\.(\w+))?")
+_PATH = re.compile(r"(\w+)(?:\[(?:(\d+)|(\w+)=(\d+(?:/\d+)*))\])?(?:\.(\w+))?")
 
 
 @dataclass(frozen=True, slots=True)
 class FieldPath:
-    """The place of a setting in a message: a field, an item of a list, or a field of such an item."""
+    """The place of a setting in a message: a field, an item of a list, or a field of such an item.
+
+    Attributes:
+        field: The field of the message.
+        index: The position of an item in its list.
+        part: The field of the item.
+        key: The field of the items that identifies them, if not their position does.
+        keys: The values of this field, one of which the item has.
+    """
 
     field: str
     index: int | None = None
     part: str = ""
+    key: str = ""
+    keys: tuple[int, ...] = ()
 
     @classmethod
     def parse(cls, text: str) -> FieldPath:
-        """Return the path that a text such as "controllers[0].p" stands for."""
+        """Return the path of a text such as "controllers[0].p" or "ports[port=0/51].functions"."""
         found = _PATH.fullmatch(text)
         if found is None:
             raise InvalidArgumentError(f"a path must look like field[index].part, got {text!r}")
-        field, index, part = found.groups()
-        return cls(field, None if index is None else int(index), part or "")
+        field, index, key, keys, part = found.groups()
+        values = tuple(map(int, keys.split("/"))) if keys else ()
+        return cls(field, None if index is None else int(index), part or "", key or "", values)
 
     def get(self, message: object) -> Any:  # noqa: ANN401 (the value of any field)
         """Return the value in a message; None if the firmware does not have it."""
         value = getattr(message, self.field)
-        if value is None or self.index is None:
+        if value is None or not (self.key or self.index is not None):
             return value
-        if self.index >= len(value):
+        position = self._position(value)
+        if position is None:
             return None
-        return getattr(value[self.index], self.part) if self.part else value[self.index]
+        return getattr(value[position], self.part) if self.part else value[position]
+
+    def _position(self, items: Sequence[object]) -> int | None:
+        """Return the position of the item in its list; None if the list does not have it."""
+        if self.key:
+            return next((n for n, each in enumerate(items) if getattr(each, self.key) in self.keys), None)
+        return self.index if self.index is not None and self.index < len(items) else None
 
     def changed(self, message: TableMessage, value: object) -> dict[str, object]:
         """Return the field of the message, by its name, with another value at this place."""
-        if self.index is None:
+        if not self.key and self.index is None:
             return {self.field: value}
         items = list(getattr(message, self.field))
-        items[self.index] = (
-            dataclasses.replace(items[self.index], **{self.part: value}) if self.part else value
-        )
+        position = self._position(items)
+        if position is None:
+            raise InvalidArgumentError(f"{type(message).__name__}.{self.field} does not have this item")
+        items[position] = dataclasses.replace(items[position], **{self.part: value}) if self.part else value
         return {self.field: tuple(items)}
 
     def facts(self, message: type[TableMessage]) -> tuple[FieldFacts, Number]:
@@ -84,6 +103,8 @@ class FieldPath:
         if isinstance(codec, RecordCodec):
             part = layout_of(codec.record)[self.part]
             facts, codec = dataclasses.replace(part, since=facts.since), part.codec
+        if isinstance(codec, ByVariant):  # both firmwares have a number of the same size
+            codec = codec.betaflight
         if not isinstance(codec, Number):
             raise InvalidArgumentError(f"{message.NAME}.{self.field} is not a number")
         return facts, codec

@@ -1,16 +1,25 @@
-"""The settings of Betaflight and iNav: those of `settings.txt`, of controllers and of display items."""
+"""The settings of Betaflight and iNav: `settings.txt`, PID controllers, display items and serial ports."""
 
 from __future__ import annotations
 
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, cast
 
+from mavstack.msp.messages.config import (
+    BAUD_RATES,
+    INAV_BAUD_RATES,
+    CfSerialConfig,
+    SerialConfig,
+    SetCfSerialConfig,
+    SetSerialConfig,
+)
 from mavstack.msp.messages.filters import SetFilterConfig
 from mavstack.msp.messages.osd import FLIGHT_SCREEN, OsdConfig, SetOsdConfig, SetOsdItem, SetOsdTimer
 from mavstack.msp.messages.osd_items import OSD_ITEMS
 from mavstack.msp.messages.pid import BETAFLIGHT_PID_NAMES, INAV_PID_NAMES, InavPid, Pid, SetInavPid, SetPid
 from mavstack.msp.messages.registry import all_messages
 from mavstack.msp.messages.vtx import SetVtxConfig, VtxConfig
+from mavstack.msp.serial_ports import PORT_IDENTIFIERS
 from mavstack.msp.settings.definition import SettingDefinition, define
 
 if TYPE_CHECKING:
@@ -27,6 +36,13 @@ _LEVEL_MEANINGS = {
     "D": "Deflection of the stick at which the mode HORIZON no longer levels",
 }
 _CHANNELS_OF_A_BAND = 8
+#: The rates of a serial port: the end of the setting's name, the field, and the functions.
+_PORT_RATES = (
+    ("MSP", "msp_baud", "MSP"),
+    ("GPS", "gps_baud", "GPS"),
+    ("TLM", "telemetry_baud", "telemetry"),
+    ("BBX", "blackbox_baud", "blackbox"),
+)
 
 
 # Functions that build a write message whose fields differ from those of the read message
@@ -165,10 +181,37 @@ def _item(index: int, name: str) -> SettingDefinition:
     )
 
 
+def _ports() -> Iterator[SettingDefinition]:
+    """Yield the functions and rates of the serial ports, which differ between firmwares."""
+    new, old = (SerialConfig, SetSerialConfig), (CfSerialConfig, SetCfSerialConfig)
+    for name in PORT_IDENTIFIERS:
+        yield from _port(name, new, "BTFL", BAUD_RATES, until="1.48")
+        yield from _port(name, old, "BTFL", BAUD_RATES, until="1.42")
+        yield from _port(name, new, "INAV", INAV_BAUD_RATES)
+
+
+def _port(
+    name: str,
+    messages: tuple[type[TableMessage], type[TableMessage]],
+    variant: str,
+    rates: tuple[int, ...],
+    until: str = "",
+) -> Iterator[SettingDefinition]:
+    identifiers = "/".join(map(str, PORT_IDENTIFIERS[name]))
+    prefix, place = f"BF_{name.replace('SOFTSERIAL', 'SOFT')}", f"ports[port={identifiers}]"
+    common: dict[str, Any] = {"messages": messages, "variants": (variant,), "until": until}
+    yield define(f"{prefix}_FUNC", f"{place}.functions", f"Functions of the port {name} as bits", **common)
+    meanings = {number: f"{rate} bit/s" if rate else "automatic" for number, rate in enumerate(rates)}
+    for end, field, functions in _PORT_RATES:
+        description = f"Rate of the port {name} for {functions}"
+        yield define(f"{prefix}_B_{end}", f"{place}.{field}", description, values=meanings, **common)
+
+
 ALL_SETTINGS = (
     *_gains((Pid, SetPid), BETAFLIGHT_PID_NAMES, "PID", 250),
     *_read_settings(),
     *map(_timer, range(2)),
     *map(_item, range(len(OSD_ITEMS)), OSD_ITEMS),
     *_gains((InavPid, SetInavPid), INAV_PID_NAMES, "PIDF", 255),
+    *_ports(),
 )

@@ -72,7 +72,7 @@ class PlannedAirframe(Struct):
 
 
 class SerialPortFacts(Struct):
-    """A serial port of the board; `number` is the protocol of ArduPilot."""
+    """A serial port of the board; `number` is the protocol of ArduPilot, or functions as bits."""
 
     name: str
     protocol: str
@@ -82,10 +82,11 @@ class SerialPortFacts(Struct):
 
 
 class SerialPorts(Struct):
-    """The serial ports of the board; `protocols` are those of ArduPilot."""
+    """The serial ports of the board; the numbers of `protocols` add up if they are `combined`."""
 
     ports: list[SerialPortFacts]
     protocols: list[Choice]
+    combined: bool
 
 
 class SetAirframe(Fields):
@@ -106,8 +107,12 @@ class SetSerialPort(Fields):
     """Set protocol and rate of a serial port; it takes effect after a restart."""
 
     protocol: Annotated[
-        Annotated[int, Meta(ge=-1, le=127)] | None,
-        Meta(description="The protocol of an ArduPilot port; null: as it is.", examples=[2]),
+        Annotated[int, Meta(ge=-1, le=2**31 - 1)] | None,
+        Meta(
+            description="The protocol of an ArduPilot port, or the functions of a port of Betaflight or iNav"
+            " as bits; null: as it is.",
+            examples=[2],
+        ),
     ] = None
     baud: Annotated[
         Annotated[int, Meta(ge=0, le=12_500_000)] | None,
@@ -177,14 +182,15 @@ async def _set_airframe(call: Call[SetAirframe, Wait]) -> dict[str, Any]:
     "GET",
     f"{_VEHICLE}/serial-ports",
     "List the serial ports of the board with their protocols",
-    answer={"ports": [_PORT], "protocols": [{"number": 2, "name": "MAVLink 2"}]},
+    answer={"ports": [_PORT], "protocols": [{"number": 2, "name": "MAVLink 2"}], "combined": False},
     answer_model=SerialPorts,
 )
 async def _ports(call: Call[None, Wait]) -> dict[str, Any]:
     vehicle = call.vehicle
     found = await call.read("serial ports", lambda: get_serial_ports(vehicle))
     ports = [port_json(each) for each in found]
-    return {"ports": ports, "protocols": choices_json(serial_protocols(vehicle))}
+    protocols = choices_json(serial_protocols(vehicle))
+    return {"ports": ports, "protocols": protocols, "combined": bool(vehicle.identifier)}
 
 
 @ROUTES.add(

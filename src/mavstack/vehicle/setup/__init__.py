@@ -5,7 +5,7 @@
     for item in await first_flight(vehicle):
         print(item)
 
-These are functions of the parameters of ArduPilot and PX4; values that were set are saved by the firmware.
+These are functions of parameters; values that were set are saved.
 """
 
 from mavstack.vehicle.setup.airframe import (
@@ -18,8 +18,8 @@ from mavstack.vehicle.setup.airframe import (
     set_airframe,
 )
 from mavstack.vehicle.setup.first_flight import CheckItem, CheckState, first_flight
+from mavstack.vehicle.setup.serial_port import SerialPort
 from mavstack.vehicle.setup.serial_ports import (
-    SerialPort,
     get_serial_ports,
     serial_protocols,
     set_serial_port,

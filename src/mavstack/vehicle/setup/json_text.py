@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle.setup.airframe import Airframe
     from mavstack.vehicle.setup.first_flight import CheckItem
-    from mavstack.vehicle.setup.serial_ports import SerialPort
+    from mavstack.vehicle.setup.serial_port import SerialPort
 
 
 def check_json(item: CheckItem) -> dict[str, Any]:

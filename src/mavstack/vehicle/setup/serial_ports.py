@@ -1,19 +1,21 @@
 """The serial ports of a board: which protocol each has, and at which rate.
 
 ArduPilot has two parameters for each port. PX4 names a port in the parameter of each driver (MAV_0_CONFIG,
-GPS_1_CONFIG), and its rate in SER_…_BAUD. Both take a change over when they restart.
+GPS_1_CONFIG), and its rate in SER_…_BAUD. Betaflight and iNav have functions as bits (`msp_ports`). All
+firmwares take a change over when they restart.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.setup.msp_ports import msp_changes, msp_functions, msp_ports
+from mavstack.vehicle.setup.serial_port import SerialPort
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
@@ -53,25 +55,6 @@ _PX4_USER: Final = re.compile(
 _ARDUPILOT_PORT: Final = re.compile(r"^SERIAL(\d+)_PROTOCOL$")
 
 
-@dataclass(frozen=True, slots=True)
-class SerialPort:
-    """A serial port of a board.
-
-    Attributes:
-        name: Its name: SERIAL1, TEL1.
-        protocol: The protocol or the driver in words; "none" if it is not used.
-        number: The number of the protocol of ArduPilot; None of PX4.
-        baud: The rate in bits per second; 0: the driver decides.
-        parameters: The parameters that decide it.
-    """
-
-    name: str
-    protocol: str
-    number: int | None
-    baud: int
-    parameters: tuple[str, ...]
-
-
 async def get_serial_ports(vehicle: Vehicle) -> tuple[SerialPort, ...]:
     """Return the serial ports of a vehicle; its parameters are downloaded if they are not yet.
 
@@ -89,11 +72,11 @@ async def get_serial_ports(vehicle: Vehicle) -> tuple[SerialPort, ...]:
     if not vehicle.params.is_complete:
         await vehicle.params.download()
     values = {name: each.value for name, each in vehicle.params.cached.items()}
-    return serial_ports_of(values)
+    return msp_ports(values, vehicle.identifier) if vehicle.identifier else serial_ports_of(values)
 
 
 def serial_ports_of(values: Mapping[str, float]) -> tuple[SerialPort, ...]:
-    """Return the serial ports that a set of parameters describes.
+    """Return the serial ports that a set of parameters of ArduPilot or PX4 describes.
 
     Args:
         values: The values of all parameters by name.
@@ -117,8 +100,11 @@ def serial_protocols(vehicle: Vehicle) -> Mapping[int, str]:
         vehicle: The vehicle.
 
     Returns:
-        Their names by number; empty for PX4, whose drivers select their ports.
+        Their names by number; for Betaflight and iNav the functions by bit, which add up; empty for PX4,
+        whose drivers select their ports.
     """
+    if vehicle.identifier:
+        return msp_functions(vehicle.identifier)
     return (
         ARDUPILOT_PROTOCOLS
         if vehicle.autopilot == common.MavAutopilot.ARDUPILOTMEGA
@@ -129,12 +115,13 @@ def serial_protocols(vehicle: Vehicle) -> Mapping[int, str]:
 async def set_serial_port(
     vehicle: Vehicle, name: str, protocol: int | None = None, baud: int | None = None
 ) -> SerialPort:
-    """Set protocol and rate of a serial port of ArduPilot, or the rate of one of PX4; it needs a restart.
+    """Set protocol and rate of a serial port, or the rate alone of one of PX4; it needs a restart.
 
     Args:
         vehicle: The vehicle.
-        name: The name of the port: SERIAL1, TEL1.
-        protocol: The number of the protocol; None: as it is.
+        name: The name of the port: SERIAL1, TEL1, UART1.
+        protocol: The number of the protocol of ArduPilot; the functions of Betaflight and iNav as bits; None:
+            as it is.
         baud: The rate in bits per second; None: as it is.
 
     Returns:
@@ -143,14 +130,18 @@ async def set_serial_port(
     Raises:
         InvalidArgumentError: There is no such port, protocol or rate.
         ActionUnsupported: The firmware has no such parameters.
-        RemoteError: The vehicle refuses a value, or does not answer.
+        RemoteError: The vehicle refuses a value, is armed, or does not answer.
     """
     ports = {port.name: port for port in await get_serial_ports(vehicle)}
     if name not in ports:
         raise InvalidArgumentError(
             f"there is no serial port {name}; the vehicle has {', '.join(ports) or 'none'}"
         )
-    for parameter, value in _changes(name, protocol, baud).items():
+    if vehicle.identifier:
+        changes = msp_changes(ports, name, vehicle.identifier, protocol, baud)
+    else:
+        changes = _changes(name, protocol, baud)
+    for parameter, value in changes.items():
         await with_status_texts(vehicle, vehicle.params.set(parameter, value))
     await vehicle.params.commit()
     return {port.name: port for port in await get_serial_ports(vehicle)}[name]
@@ -198,7 +189,10 @@ def _px4_port(name: str, users: Mapping[str, int], values: Mapping[str, float]) 
 
 
 def _check(vehicle: Vehicle) -> None:
-    if vehicle.autopilot not in (common.MavAutopilot.ARDUPILOTMEGA, common.MavAutopilot.PX4):
+    if not vehicle.identifier and vehicle.autopilot not in (
+        common.MavAutopilot.ARDUPILOTMEGA,
+        common.MavAutopilot.PX4,
+    ):
         raise firmware_of(vehicle).unsupported(
             "show its serial ports", "its firmware has no parameters for that"
         )

@@ -1,6 +1,6 @@
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
-import { MavAutopilot, MavModeFlag, MavType } from '$generated';
+import { MavAutopilot, MavCmd, MavModeFlag, MavResult, MavType } from '$generated';
 
 import { Encoder } from '$lib/decoder/Decoder';
 
@@ -27,6 +27,11 @@ class Line {
   heartbeat(system: number, component: number, type: number, autopilot: number, base_mode = 0): void {
     const encoder = new Encoder(system, component);
     this.listener?.(encoder.build('HEARTBEAT', { type, autopilot, base_mode }));
+  }
+
+  acknowledge(system: number, result: number): void {
+    const command = MavCmd.PREFLIGHT_REBOOT_SHUTDOWN;
+    this.listener?.(new Encoder(system, 1).build('COMMAND_ACK', { command, result }));
   }
 }
 
@@ -60,4 +65,28 @@ it('sends nothing to an autopilot that is armed', async () => {
   const armed = { system: 7, component: 1, isArmed: true };
   await expect(startBootloader(line, armed)).rejects.toThrow('it is armed; disarm it first');
   expect(line.sent).toEqual([]);
+});
+
+describe('an autopilot that is asked to start its bootloader', () => {
+  const copter: Autopilot = { system: 3, component: 1, isArmed: false };
+
+  it('confirms, or refuses with its reason', async () => {
+    const line = new Line();
+    const confirmed = startBootloader(line, copter);
+    line.acknowledge(2, MavResult.DENIED);
+    line.acknowledge(3, MavResult.ACCEPTED);
+    await expect(confirmed).resolves.toBe(true);
+    const refused = startBootloader(line, copter);
+    line.acknowledge(3, MavResult.TEMPORARILY_REJECTED);
+    await expect(refused).rejects.toThrow('starting the bootloader of vehicle 3 failed: TEMPORARILY_REJECTED');
+    expect(line.hasListener).toBe(false);
+  });
+
+  it('may restart before its acknowledgement has left', async () => {
+    const line = new Line();
+    const started = startBootloader(line, copter);
+    await vi.advanceTimersByTimeAsync(3100);
+    await expect(started).resolves.toBe(false);
+    expect(line.sent).toHaveLength(1);
+  });
 });

@@ -1,15 +1,15 @@
 /** A running autopilot at a port: it is asked to start its bootloader. */
 
-import { MavAutopilot, MavCmd, MavModeFlag } from '$generated';
+import { MavAutopilot, MavCmd, MavModeFlag, MavResult } from '$generated';
 
-import { Decoder, Encoder } from '$lib/decoder/Decoder';
+import { Decoder, Encoder, enumName } from '$lib/decoder/Decoder';
 
 import type { BootloaderLine } from './conversation';
 import { FlashingError } from './errors';
 
-/** Milliseconds to wait for a heartbeat, and for the bytes of the command to leave the port. */
+/** Milliseconds to wait for a heartbeat, and for the acknowledgement of the command. */
 const HEARTBEAT_TIMEOUT = 4000;
-const SEND_TIME = 300;
+const ACK_TIMEOUT = 3000;
 /** Param 1 of MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN. */
 const STAY_IN_BOOTLOADER = 3;
 
@@ -48,10 +48,14 @@ export function findAutopilot(
   });
 }
 
-/** Asks an autopilot to start its bootloader; throws if it is armed. The port disappears then. */
-export async function startBootloader(line: BootloaderLine, autopilot: Autopilot): Promise<void> {
+/** Asks an autopilot to start its bootloader, whereupon the port disappears; throws if it is armed or refuses.
+ *
+ * @returns True if it has confirmed. A board may restart before its acknowledgement has left.
+ */
+export async function startBootloader(line: BootloaderLine, autopilot: Autopilot): Promise<boolean> {
   const { system, component, isArmed } = autopilot;
   if (isArmed) throw new FlashingError(`flashing vehicle ${system} failed: it is armed; disarm it first`);
+  const acknowledged = acknowledgement(line, system);
   line.send(
     new Encoder().build('COMMAND_LONG', {
       target_system: system,
@@ -60,5 +64,28 @@ export async function startBootloader(line: BootloaderLine, autopilot: Autopilot
       param1: STAY_IN_BOOTLOADER,
     }),
   );
-  await new Promise((resolve) => setTimeout(resolve, SEND_TIME));
+  const result = await acknowledged;
+  if (result === null) return false;
+  if (result === MavResult.ACCEPTED || result === MavResult.IN_PROGRESS) return true;
+  const name = enumName('MAV_RESULT', result) ?? String(result);
+  throw new FlashingError(`starting the bootloader of vehicle ${system} failed: ${name}`);
+}
+
+/** Resolves to the result of MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN; null: none came in time. */
+function acknowledgement(line: BootloaderLine, wanted: number): Promise<number | null> {
+  return new Promise((resolve) => {
+    const decoder = new Decoder();
+    const end = (result: number | null): void => {
+      clearTimeout(timer);
+      stop();
+      resolve(result);
+    };
+    const timer = setTimeout(() => end(null), ACK_TIMEOUT);
+    const stop = line.onData((data) => {
+      for (const { name, system, fields } of decoder.push(data)) {
+        const isAnswer = name === 'COMMAND_ACK' && fields.command === MavCmd.PREFLIGHT_REBOOT_SHUTDOWN;
+        if (isAnswer && system === wanted) return end(Number(fields.result));
+      }
+    });
+  });
 }

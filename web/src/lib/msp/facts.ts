@@ -61,7 +61,9 @@ interface Facts {
   readonly modes: Readonly<Record<Variant, Readonly<Record<string, string>>>>;
   readonly pids: Readonly<Record<Variant, readonly string[]>>;
   readonly osdItems: readonly string[];
-  readonly baudRates: readonly number[];
+  readonly baudRates: Readonly<Record<Variant, readonly number[]>>;
+  /** Names of serial ports by identifier. */
+  readonly portNames: Readonly<Record<string, string>>;
   /** Names of Betaflight's reasons not to arm by bit. */
   readonly armingReasons: Readonly<Record<string, string>>;
 }

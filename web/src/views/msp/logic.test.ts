@@ -1,6 +1,17 @@
 import { describe, expect, it } from 'vitest';
 
-import { activeModes, armingReasons, channelName, formFields, osdBits, osdPosition, vtxRequest } from './logic';
+import { FACTS, messageFacts } from '$lib/msp/facts';
+
+import {
+  activeModes,
+  armingReasons,
+  channelName,
+  formFields,
+  functionsOf,
+  osdBits,
+  osdPosition,
+  vtxRequest,
+} from './logic';
 
 describe('facts of flight controllers', () => {
   it('name modes by their position, also beyond the first 32', () => {
@@ -16,6 +27,20 @@ describe('facts of flight controllers', () => {
       'ARM_SWITCH',
     ]);
     expect(armingReasons({ arming_flags: 4 + 2 ** 19 }, 'INAV')).toEqual(['THROTTLE']);
+  });
+
+  it('name functions, rates and ports by the numbers of the firmware', () => {
+    const ports = messageFacts('SerialConfig').fields[0]!.codec;
+    const [betaflight, inav] = [new Map(functionsOf(ports, 'BTFL')), new Map(functionsOf(ports, 'INAV'))];
+    expect([betaflight.get(2 ** 9), inav.get(2 ** 9)]).toEqual(['TELEMETRY_MAVLINK', 'TELEMETRY_IBUS']);
+    expect([FACTS.baudRates.BTFL[5], FACTS.baudRates.INAV[5]]).toEqual([115_200, 19_200]);
+    expect([0, 20, 31, 40, 52].map((port) => FACTS.portNames[port])).toEqual([
+      'UART1',
+      'VCP',
+      'SOFTSERIAL2',
+      'LPUART1',
+      'UART2',
+    ]);
   });
 
   it('move items of the display, and keep their other profiles', () => {

@@ -1,7 +1,7 @@
 /** Facts of flight controllers for the sections of the page. */
 
 import type { MspFields, MspValue } from '$lib/msp/codec';
-import { FACTS, messageFacts, type FieldFacts, type NumberFacts, type Variant } from '$lib/msp/facts';
+import { FACTS, messageFacts, type CodecFacts, type FieldFacts, type NumberFacts, type Variant } from '$lib/msp/facts';
 
 const STICKS = ['ROLL', 'PITCH', 'YAW', 'THROTTLE'] as const;
 
@@ -96,10 +96,14 @@ export function vtxRequest(values: MspFields): MspFields {
   return { ...values, combined };
 }
 
-/** The number of the USB port in the settings of serial ports. */
-export const USB_PORT = 20;
-
-/** Returns the UART of a serial port of a flight controller, from 1; null: the port is USB. */
-export function uartNumber(port: number): number | null {
-  return port === USB_PORT ? null : port + 1;
+/** Returns the functions of a serial port by bit, with their names in a firmware. */
+export function functionsOf(codec: CodecFacts, variant: Variant): [number, string][] {
+  if (codec.kind === 'variant') return functionsOf(codec[variant], variant);
+  if (codec.kind === 'items') return functionsOf(codec.item, variant);
+  if (codec.kind === 'record') {
+    const field = codec.fields.find(({ name }) => name === 'functions');
+    return field === undefined ? [] : functionsOf(field.codec, variant);
+  }
+  const bits = 'bits' in codec ? codec.bits : {};
+  return Object.entries(bits ?? {}).map(([bit, name]) => [Number(bit), name]);
 }

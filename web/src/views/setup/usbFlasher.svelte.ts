@@ -69,9 +69,9 @@ class UsbFlasher {
     await this.run(async () => {
       const found = await findAutopilot(transport, vehicle);
       if (found === null) throw new Error(t('setup.usbNothing'));
-      await startBootloader(transport, found);
+      const isConfirmed = await startBootloader(transport, found);
       this.disconnect();
-      this.outcome = t('setup.usbBootloaderStarts');
+      this.outcome = t(isConfirmed ? 'setup.usbBootloaderStarts' : 'setup.usbUnconfirmed');
     });
   }
 

@@ -251,9 +251,10 @@ def _row(
     role: Role = Role.OPERATE,
     difference: str = "",
     required: tuple[str, ...] = (),
+    required_unless: str = "",
 ) -> Service:
     full = kind if "/" in kind else f"mavros_msgs/srv/{kind}"
-    return Service(name, full, handle, role, meaning, difference, required)
+    return Service(name, full, handle, role, meaning, difference, required, required_unless)
 
 
 _TRIGGER: Final = "std_srvs/srv/Trigger"
@@ -273,6 +274,7 @@ ROWS: Final = (
         set_home,
         "DO_SET_HOME",
         required=("current_gps", "latitude", "longitude", "altitude"),
+        required_unless="current_gps",
     ),
     _row(
         "cmd/trigger_control",

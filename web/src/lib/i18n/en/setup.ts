@@ -49,6 +49,8 @@ export const setup = {
   usbVehicle: 'The autopilot of vehicle {system} runs at this port.',
   usbStartBootloader: 'Start the bootloader',
   usbBootloaderStarts: 'The autopilot starts its bootloader. Choose its port again: for the browser it is a new port.',
+  usbUnconfirmed:
+    'The autopilot did not confirm that it starts its bootloader. If its port disappears, choose it again.',
   usbNothing: 'Neither a bootloader nor an autopilot answers at this port.',
   usbStays: 'the board stays in its bootloader: choose its port, and flash it again',
   usbFor: 'For {board}',
@@ -231,6 +233,9 @@ export const setup = {
   portProtocol: 'Protocol',
   portBaud: 'Bits per second',
   portProtocolOf: 'Protocol of {port}',
+  portFunctionOf: '{name} at {port}',
+  portFunctionsOf: 'Functions of {port}: {names}',
+  portUnused: 'not used',
   portBaudOf: 'Bits per second of {port}',
   portSet: 'Set {port}',
   portDriver: 'The driver decides',
