@@ -40,6 +40,7 @@ from . import (
 from .measure import pinned
 from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
+from .transfers import direct
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -80,8 +81,9 @@ TELEMETRY = "telemetry"
 RECORDER = "recorder"
 WATCHING = "watching"
 BRIEF_TRANSFERS = "brief-transfers"
+DIRECT_TRANSFERS = "direct-transfers"
 TRANSFERS = "transfers"  # runs only on request: it takes an hour
-TABLES = (RECORDER, WATCHING, SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
+TABLES = (RECORDER, WATCHING, SIMULATION, TELEMETRY, BRIEF_TRANSFERS, DIRECT_TRANSFERS)
 
 
 def main() -> None:
@@ -116,6 +118,8 @@ def main() -> None:
         telemetry.main(_flags(options))
     if BRIEF_TRANSFERS in selected:
         transfers.main(["--brief", *_flags(options)])
+    if DIRECT_TRANSFERS in selected:
+        direct.main(["--turns", "2" if options.quick else "5", *(["--json"] if options.json else [])])
 
 
 def _transfers(options: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""Mavstack as the vehicle: 955 parameters, a file of 300 kB, a mission, and telemetry as over a radio.
+"""Mavstack as the vehicle: 955 parameters, files of 300 kB and 10 MB, a mission, slow telemetry.
 
 `python -m benchmarks.transfers.our_vehicle PORT CONDITION` is started like any other vehicle program.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from random import Random
 from time import monotonic
 
 from mavstack.dialects import common
@@ -17,14 +16,9 @@ from mavstack.services.mission import MissionServer
 from mavstack.services.parameters import ParameterServer
 from mavstack.services.version import AutopilotVersion, provide_versions
 
+from .vehicles import LARGE_FILE, REMOTE_FILE, file_content, link_url
+
 PARAMETERS = 955
-REMOTE_FILE = "file300k.bin"
-FILE_SIZE = 300_000
-
-
-def file_content() -> bytes:
-    """Return the content of the file: equal in every process, and not compressible."""
-    return Random(0).randbytes(FILE_SIZE)
 
 
 def telemetry(node: Node, rate: float) -> None:
@@ -47,7 +41,7 @@ async def fly(port: int, condition: str) -> None:
     """Run the vehicle until the process is ended."""
     capability = common.MavProtocolCapability
     async with Node(
-        f"udpout://127.0.0.1:{port}",
+        link_url(port, condition),
         system=1,
         component=1,
         type=common.MavType.QUADROTOR,
@@ -63,7 +57,8 @@ async def fly(port: int, condition: str) -> None:
         for number in range(PARAMETERS):
             parameters.add(f"TEST_PARAM_{number}", number if number % 2 else number / 7)
         node.serve(MissionServer(node.address))
-        node.serve(FtpServer(node.address, MemoryStore({REMOTE_FILE: file_content()})))
+        files = {name: file_content(name) for name in (REMOTE_FILE, LARGE_FILE)}
+        node.serve(FtpServer(node.address, MemoryStore(files)))
         telemetry(node, rate=2.0 if condition == "c" else 10.0)
         await node.serve_forever()
 

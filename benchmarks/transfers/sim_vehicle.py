@@ -11,10 +11,12 @@ import sys
 from mavstack.sim import Simulation
 from mavstack.sim.runner import Runner
 
+from .vehicles import link_url
+
 PARAMETERS = 1500
 
 
-async def fly(port: int) -> None:
+async def fly(port: int, condition: str) -> None:
     """Run the vehicle until the process is ended."""
     simulation = Simulation()
     vehicle = simulation.add("copter", "px4")
@@ -22,9 +24,9 @@ async def fly(port: int) -> None:
     for number in range(PARAMETERS - len(server.table)):
         server.add(f"BENCH_PARAM_{number}", number if number % 2 else number / 7)
     async with Runner(simulation) as runner:
-        await runner.connect(f"udpout://127.0.0.1:{port}", [vehicle])
+        await runner.connect(link_url(port, condition), [vehicle])
         await runner.run()
 
 
 if __name__ == "__main__":
-    asyncio.run(fly(int(sys.argv[1])))
+    asyncio.run(fly(int(sys.argv[1]), sys.argv[2]))

@@ -17,13 +17,28 @@ import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 from typing import TYPE_CHECKING
 
 from .model import Work
-from .our_vehicle import REMOTE_FILE, file_content
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+#: The condition without a relay: the vehicle listens, and the client sends to it.
+DIRECT = "direct"
+REMOTE_FILE, LARGE_FILE = "file300k.bin", "file10m.bin"
+FILE_SIZES = {REMOTE_FILE: 300_000, LARGE_FILE: 10_000_000}
+
+
+def file_content(name: str) -> bytes:
+    """Return the content of a file of our vehicle: equal in every process, and not compressible."""
+    return Random(0).randbytes(FILE_SIZES[name])
+
+
+def link_url(port: int, condition: str) -> str:
+    """Return the link of a vehicle: to the relay, or without a relay the one on which it listens."""
+    return f"{'udpin' if condition == DIRECT else 'udpout'}://127.0.0.1:{port}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +74,12 @@ class Vehicle:
         return Path(self.local_file).read_bytes()
 
 
-def ours(folder: Path) -> Vehicle:
-    """Return Mavstack as the vehicle; its file is written to `folder` for comparison."""
-    local_file = folder / REMOTE_FILE
-    local_file.write_bytes(file_content())
+def ours(folder: Path, name: str = REMOTE_FILE) -> Vehicle:
+    """Return Mavstack as the vehicle; one of its files is written to `folder` for comparison."""
+    local_file = folder / name
+    local_file.write_bytes(file_content(name))
     program = "benchmarks.transfers.our_vehicle"
-    return Vehicle("mavstack", (sys.executable, "-m", program), tuple(Work), REMOTE_FILE, str(local_file))
+    return Vehicle("mavstack", (sys.executable, "-m", program), tuple(Work), name, str(local_file))
 
 
 def simulated() -> Vehicle:
