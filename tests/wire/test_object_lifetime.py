@@ -5,14 +5,16 @@ from __future__ import annotations
 import copy
 import gc
 import pickle
+import sys
 import threading
 import weakref
 
 import pytest
 
 import mavstack
+from mavstack._core import MessageBase, new_message_class
 from mavstack.dialects import Dialect, common, dialect
-from mavstack.wire import Packet
+from mavstack.wire import Packet, Parser
 
 from .callback_number import CallbackNumber
 
@@ -327,3 +329,63 @@ def test_a_message_that_a_finalizer_keeps_is_not_overwritten(monkeypatch):
     assert [message.roll for message in kept] == list(range(10))
     kept.clear()
     assert {message.roll for message in others} == {50}
+
+
+def packets_of(count):
+    """Return packets of ATTITUDE with their number as roll."""
+    sent = b"".join(
+        mavstack.encode(common.Attitude(roll=number), system=1, component=1) for number in range(count)
+    )
+    return Parser(common).feed(sent)
+
+
+def test_a_message_is_finalized_once_when_its_packet_is_freed(monkeypatch):
+    freed: list[float] = []
+    packets = packets_of(10)
+    rolls = [packet.message.roll for packet in packets]
+    monkeypatch.setattr(common.Attitude, "__del__", lambda self: freed.append(self.roll), raising=False)
+    del packets
+    assert sorted(freed) == rolls
+
+
+def test_a_message_that_outlives_its_packet_is_unchanged():
+    kept = [packet.message for packet in packets_of(100)]
+    others = [packet.message for packet in packets_of(100)]
+    assert [message.roll for message in kept] == list(range(100))
+    assert [message.roll for message in others] == list(range(100))
+
+
+def test_messages_and_packets_keep_no_reference_to_their_classes_after_them():
+    def use():
+        for packet in packets_of(500):
+            assert packet.message.roll >= 0
+
+    use()
+    before = sys.getrefcount(common.Attitude), sys.getrefcount(Packet)
+    for _ in range(5):
+        use()
+    assert (sys.getrefcount(common.Attitude), sys.getrefcount(Packet)) == before
+
+
+def test_a_message_of_a_packet_whose_class_was_assigned_is_finalized():
+    class Finalized(common.Attitude):
+        __slots__ = ()
+
+        def __del__(self):
+            freed.append(self.roll)
+
+    freed: list[float] = []
+    packets = packets_of(10)
+    for packet in packets:
+        packet.message.__class__ = Finalized
+    del packet, packets
+    assert sorted(freed) == list(range(10))
+
+
+def test_a_message_class_with_a_dictionary_is_refused():
+    class WithDictionary:
+        pass
+
+    row = (77_777, "EXTRA", 1, 1, 1, [("value", "uint8_t", 0, 0, False)])
+    with pytest.raises(TypeError, match="must not have a dictionary"):
+        new_message_class("Extra", (MessageBase, WithDictionary), {}, row)

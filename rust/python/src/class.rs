@@ -284,6 +284,7 @@ pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&Clas
 ///
 /// Raises:
 ///     DialectError: The layout contradicts itself.
+///     TypeError: A base has a dictionary or weak references, or none derives from `MessageBase`.
 ///     ValueError: There is not one member for each field.
 #[pyfunction]
 #[pyo3(signature = (name, bases, namespace, layout, template = None, members = None))]
@@ -307,6 +308,11 @@ pub fn new_message_class<'py>(
     let class = meta.class.bind(py).call1((name, bases, namespace))?.cast_into::<PyType>()?;
     if !class.is_subclass(message::base_class(py)?)? {
         return Err(PyTypeError::new_err("a message class must derive from MessageBase"));
+    }
+    for room in ["__dictoffset__", "__weakrefoffset__"] {
+        if class.getattr(room)?.extract::<isize>()? != 0 {
+            return Err(PyTypeError::new_err("a message class must not have a dictionary or weak references"));
+        }
     }
     let fields: Box<[FieldAccess]> =
         layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;

@@ -58,10 +58,17 @@ const MIN_CAPACITY: usize = 8;
 #[inline]
 pub unsafe fn allocate_packet(class: *mut ffi::PyTypeObject, header_size: usize, length: usize) -> *mut ffi::PyObject {
     let capacity = length.max(POOLED_BYTES);
-    // SAFETY: pooled memory holds a packet of `POOLED_BYTES`; new memory has the requested size.
+    // SAFETY: pooled memory holds a packet of `POOLED_BYTES` without references, which still has its class; new memory
+    // has the requested size.
     unsafe {
-        let pooled = if capacity == POOLED_BYTES { PACKETS.pop() } else { None };
-        let memory = pooled.unwrap_or_else(|| ffi::PyObject_Malloc(header_size + capacity).cast());
+        if capacity == POOLED_BYTES
+            && let Some(object) = PACKETS.pop()
+        {
+            ffi::Py_INCREF(object);
+            (*object.cast::<ffi::PyVarObject>()).ob_size = length as isize;
+            return object;
+        }
+        let memory = ffi::PyObject_Malloc(header_size + capacity);
         if memory.is_null() {
             return ffi::PyErr_NoMemory();
         }
@@ -69,17 +76,20 @@ pub unsafe fn allocate_packet(class: *mut ffi::PyTypeObject, header_size: usize,
     }
 }
 
-/// Frees the memory of a packet, or pools it.
+/// Frees a packet, or pools its memory, which keeps the class and the reference to it.
 ///
 /// # Safety
-/// The interpreter lock must be held, and `object` must be a deallocated packet.
+/// The interpreter lock must be held, and `object` must be a deallocated packet without references.
 #[inline]
 pub unsafe fn release_packet(object: *mut ffi::PyObject) {
-    // SAFETY: guaranteed by the caller; a packet of up to `POOLED_BYTES` bytes was allocated with that capacity.
+    // SAFETY: guaranteed by the caller; a packet of up to `POOLED_BYTES` bytes was allocated with that capacity. Each
+    // packet holds a reference of its class, which is released last.
     unsafe {
         let is_short = (*object.cast::<ffi::PyVarObject>()).ob_size as usize <= POOLED_BYTES;
         if !(is_short && PACKETS.push(object)) {
+            let class = ffi::Py_TYPE(object);
             ffi::PyObject_Free(object.cast());
+            ffi::Py_DECREF(class.cast());
         }
     }
 }

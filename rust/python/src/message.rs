@@ -188,6 +188,30 @@ unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
     }
 }
 
+/// Releases a reference to a message. The last reference to a message of a class made by `new_message_class` frees it at
+/// once: Python's function for classes would only look for weak references, members and a finalizer, and find none.
+///
+/// # Safety
+/// `object` must be a message, and the caller must own the reference.
+#[inline]
+pub unsafe fn release(py: Python<'_>, object: *mut ffi::PyObject) {
+    // SAFETY: guaranteed by the caller. Such a class has no room for weak references and members, so that a message
+    // without a finalizer is only its memory and its reference to the class.
+    unsafe {
+        let class = ffi::Py_TYPE(object);
+        if ffi::Py_REFCNT(object) == 1
+            && class::direct_data(py, class).is_some_and(|data| data.has_gc_header)
+            && ffi::PyType_GetSlot(class, ffi::Py_tp_finalize).is_null()
+        {
+            ffi::PyObject_GC_UnTrack(object.cast());
+            freelist::release_message(object);
+            ffi::Py_DECREF(class.cast());
+        } else {
+            ffi::Py_DECREF(object);
+        }
+    }
+}
+
 /// Creates a message over `payload`, as [`allocate`], that the cycle collector does not track yet.
 ///
 /// # Safety

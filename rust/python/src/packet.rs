@@ -321,19 +321,17 @@ unsafe extern "C" fn get_message(object: *mut ffi::PyObject, _: *mut c_void) -> 
 }
 
 unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
-    // SAFETY: Python calls this once, with a packet without references. Its parts were written by `create`, and the
-    // class, of which each object holds a reference, is released last.
+    // SAFETY: Python calls this once, with a packet without references, whose parts were written by `create`. Its message
+    // is an object that `make_message` made.
     unsafe {
-        let class = ffi::Py_TYPE(object);
         let Packet { dialect, message, .. } = (&raw mut (*object.cast::<Object>()).packet).read();
         // Released explicitly: a drop would defer them to PyO3's pool, which does not know that Python is attached.
         let py = Python::assume_attached();
         dialect.drop_ref(py);
         if let Some(message) = message {
-            message.drop_ref(py);
+            message::release(py, message.into_ptr());
         }
         freelist::release_packet(object);
-        ffi::Py_DECREF(class.cast());
     }
 }
 

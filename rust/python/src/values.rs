@@ -4,6 +4,7 @@
 //! other arrays. Values outside the range of the field are refused with an error that names the range.
 
 use crate::errors::{FieldRangeError, FieldTypeError};
+use crate::message;
 use mavstack_core::json;
 use mavstack_core::layout::{Field, FieldType};
 use pyo3::buffer::PyBuffer;
@@ -43,11 +44,15 @@ fn read_array<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<B
 }
 
 /// Converts bytes to a number; `bytes` must have the size of `kind`.
-#[inline]
+#[allow(
+    clippy::inline_always,
+    reason = "a field of each message is read: a result in memory costs as much as the number"
+)]
+#[inline(always)]
 pub fn read_number<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     macro_rules! number {
         ($type:ty) => {
-            Ok(<$type>::from_le_bytes(bytes.try_into()?).into_pyobject(py)?.into_any())
+            Ok(<$type>::from_le_bytes(exactly(bytes)?).into_pyobject(py)?.into_any())
         };
     }
     match kind {
@@ -59,9 +64,14 @@ pub fn read_number<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyRes
         FieldType::I32 => number!(i32),
         FieldType::U64 => number!(u64),
         FieldType::I64 => number!(i64),
-        FieldType::F32 => Ok(PyFloat::new(py, f64::from(f32::from_le_bytes(bytes.try_into()?))).into_any()),
-        FieldType::F64 => Ok(PyFloat::new(py, f64::from_le_bytes(bytes.try_into()?)).into_any()),
+        FieldType::F32 => Ok(PyFloat::new(py, f64::from(f32::from_le_bytes(exactly(bytes)?))).into_any()),
+        FieldType::F64 => Ok(PyFloat::new(py, f64::from_le_bytes(exactly(bytes)?)).into_any()),
     }
+}
+
+#[inline]
+fn exactly<const SIZE: usize>(bytes: &[u8]) -> PyResult<[u8; SIZE]> {
+    bytes.first_chunk().copied().ok_or_else(message::payload_mismatch)
 }
 
 /// A field as named in error texts: `Attitude.roll`.
