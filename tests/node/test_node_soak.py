@@ -6,16 +6,15 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
-import random
-import socket
-import threading
+import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import pytest
 
-from mavstack import connect
 from mavstack.dialects import common
 from mavstack.node import Node
 from mavstack.wire import Encoder
@@ -24,11 +23,9 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.vehicle import Connection
     from mavstack.wire import Packet
 
 MINUTES: Final = float(os.environ.get("MAVSTACK_SOAK_MINUTES", "10"))
-HEARTBEAT: Final = common.Heartbeat(type=common.MavType.QUADROTOR, autopilot=common.MavAutopilot.PX4)
 #: Memory in MB that may be added from the second to the last fifth: allocators keep some, a leak has no end.
 GROWTH: Final = 3.0
 SOURCES: Final = 50
@@ -37,97 +34,26 @@ PACKETS: Final = int(os.environ.get("MAVSTACK_SOAK_PACKETS", "10_000_000"))
 BURST: Final = 20
 
 
-def usage() -> tuple[float, int, int]:
-    """Return the memory without files behind it in MB, the open descriptors, and the threads."""
-    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text("ascii").splitlines())
-    descriptors = len(list(Path("/proc/self/fd").iterdir()))
-    return int(status["RssAnon"].split()[0]) / 1024, descriptors, threading.active_count()
-
-
-def port_of(connection: Connection) -> int:
-    address = connection.links[0].address
-    assert address is not None
-    return int(address[1])
-
-
-class Vehicles:
-    """Vehicles on sockets of their own; one leaves and another one comes from time to time."""
-
-    def __init__(self, port: int, seed: int) -> None:
-        self._random = random.Random(seed)
-        self._port = port
-        self._alive: list[tuple[socket.socket, Encoder]] = []
-        self.came = 0
-
-    def send(self) -> None:
-        """Send a heartbeat, a position and a burst of attitudes of each."""
-        for sock, encoder in self._alive:
-            sock.send(encoder.encode(HEARTBEAT))
-            sock.send(encoder.encode(common.GlobalPositionInt(lat=self._random.randrange(1_000_000))))
-            for _ in range(20):
-                sock.send(encoder.encode(common.Attitude(roll=self._random.random())))
-
-    def change(self) -> None:
-        """Let one vehicle leave, and another one come."""
-        if len(self._alive) > 5:
-            sock, _ = self._alive.pop(self._random.randrange(len(self._alive)))
-            sock.close()
-        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        sock.connect(("127.0.0.1", self._port))
-        self._alive.append((sock, Encoder(self._random.randint(1, 30), 1)))
-        self.came += 1
-
-    def close(self) -> None:
-        for sock, _ in self._alive:
-            sock.close()
-
-
-async def client(port: int, connection: Connection, vehicles: Vehicles) -> None:
-    """Come over a link of its own, read a while, and leave."""
-    async with Node(f"udpout://127.0.0.1:{port}", system=255) as node:
-        async with (
-            node.stream(common.GlobalPositionInt) as positions,
-            connection.stream(common.Attitude) as all_,
-        ):
-            vehicles.send()
-            await asyncio.sleep(0.3)
-            assert all_.drain()
-            assert not positions.drain(), "the connection forwards nothing"
-        for vehicle in list(connection.vehicles.values()):
-            _ = vehicle.position, vehicle.heading
-
-
 @pytest.mark.nightly
 @pytest.mark.timeout(60 * MINUTES + 300)
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="counts descriptors in /proc")
-async def test_memory_descriptors_and_threads_level_while_vehicles_and_clients_come_and_go():
-    measured: list[tuple[float, int, int]] = []
-    async with connect("udpin://127.0.0.1:0?idle=5") as connection:
-        vehicles = Vehicles(port_of(connection), seed=27)
-        end = asyncio.get_running_loop().time() + 60 * MINUTES
-        try:
-            turn = 0
-            while asyncio.get_running_loop().time() < end:
-                if turn % 3 == 0:
-                    vehicles.change()
-                vehicles.send()
-                await asyncio.sleep(0.1)
-                await client(port_of(connection), connection, vehicles)
-                turn += 1
-                if turn % 10 == 0:
-                    measured.append(usage())
-        finally:
-            vehicles.close()
-    fifth = max(1, len(measured) // 5)
-    first, last = measured[fifth : 2 * fifth], measured[-fifth:]
-    memory, descriptors, threads = zip(*measured, strict=True)
+def test_memory_descriptors_and_threads_level_while_vehicles_and_clients_come_and_go():
+    # Without the test runner, which keeps the records of all logs while a test runs.
+    command = [sys.executable, "-m", "tests.node.soak", str(MINUTES)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    report = json.loads(ended.stdout)
+    memory, descriptors, threads = report["memory"], report["descriptors"], report["threads"]
     print(
-        f"\n{turn} clients, {vehicles.came} vehicles; memory {memory[0]:.1f} … {memory[-1]:.1f} MB,"
+        f"\n{report['clients']} clients, {report['vehicles']} vehicles;"
+        f" memory {memory[0]:.1f} … {memory[-1]:.1f} MB,"
         f" descriptors {min(descriptors)} … {max(descriptors)}, threads {min(threads)} … {max(threads)}"
     )
-    assert min(each[0] for each in last) - min(each[0] for each in first) < GROWTH
-    assert max(each[1] for each in last) <= max(each[1] for each in first) + 2
-    assert max(each[2] for each in last) <= max(each[2] for each in first)
+    fifth = max(1, len(memory) // 5)
+    first, last = slice(fifth, 2 * fifth), slice(-fifth, None)
+    assert min(memory[last]) - min(memory[first]) < GROWTH
+    assert max(descriptors[last]) <= max(descriptors[first]) + 2
+    assert max(threads[last]) <= max(threads[first])
 
 
 def bursts(sources: int, packets: int) -> Iterator[bytes]:
