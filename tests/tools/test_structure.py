@@ -79,6 +79,7 @@ SUBJECTS = {
         "parser_properties",
         "signing",
         "signing_pitfalls",
+        "sub_interpreters",
     },
 }
 

@@ -19,6 +19,7 @@ mod index;
 mod intake;
 mod intake_listeners;
 mod intake_values;
+mod interpreter;
 mod json;
 mod keywords;
 mod mapping_guard;
@@ -57,9 +58,11 @@ fn crc16(data: Bytes<'_>, crc: u16) -> u16 {
     mavstack_core::crc::update(crc, &data)
 }
 
-#[pymodule]
+// The free lists need the interpreter lock: a free-threaded Python turns it on when it imports the core.
+#[pymodule(gil_used = true)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
+    interpreter::require_main(py)?;
     module.add_class::<dialect::Dialect>()?;
     module.add("Packet", packet::packet_class(py)?)?;
     module.add_class::<parser::Parser>()?;
