@@ -114,10 +114,12 @@ sanitize: $(VENV)/installed ## Run tests of the core under AddressSanitizer (Lin
 	  PYTHONPATH=target/sanitized/package:. $(BIN)/python -c "import gc, sys, pytest; gc.set_threshold(1); sys.exit(pytest.main(sys.argv[1:]))" \
 	  -q -p no:xdist -m "not properties and not interop and not nightly and not seeds" $(or $(TESTS),tests/wire tests/node/test_native_input.py)
 
-# A packet or a message that is used after it was freed is found at its next use; slow: about fifty times.
+# A packet or a message that is used after it was freed is found at its next use; slow: about fifty times. Plug-ins of
+# pytest and the fixtures of other tests take most of the time of a run, so that they are left out.
 valgrind: $(VENV)/installed ## Run tests of the core under valgrind (Debian's package); TESTS="…": other tests
-	@if command -v valgrind > /dev/null; then PYTHONMALLOC=malloc valgrind --quiet --error-exitcode=9 --errors-for-leak-kinds=none \
-	  --undef-value-errors=no $(BIN)/python -m pytest -q -p no:xdist $(or $(TESTS),tests/wire/test_object_lifetime.py); \
+	@if command -v valgrind > /dev/null; then PYTHONMALLOC=malloc PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 valgrind --quiet --error-exitcode=9 \
+	  --errors-for-leak-kinds=none --undef-value-errors=no \
+	  $(BIN)/python -m pytest -q -c /dev/null --rootdir . --noconftest -p no:cacheprovider $(or $(TESTS),tests/wire/test_object_lifetime.py); \
 	else echo "valgrind is not installed: skipped"; fi
 
 fuzz: $(VENV)/installed ## Fuzz each target for SECONDS (600)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.node.host import NodeHost
-    from mavstack.node.native_input import Run
+    from mavstack.node.native_runs import Run
     from mavstack.services import Service
     from mavstack.wire import Packet
 
@@ -293,6 +293,11 @@ class Driver:
         """Handle packets that the core received on a channel."""
         if not self._receiving and not self._is_releasing():
             return
+        if data := run.outdated_bytes():
+            self._call_safely(
+                f"handling packets of {run.attached.channel.name}", self._receive_again, run, data
+            )
+            return
         accepted: list[Packet] = []
         if run.packets:
             try:
@@ -306,6 +311,12 @@ class Driver:
                 self._call_safely("handling a packet", self._on_packet, packet)
         elif run.listened and self.native is not None:
             self.native.call_listeners(self._checked(run, accepted), self._report_listener)
+
+    def _receive_again(self, run: Run, data: bytes) -> None:
+        """Receive packets that came before a change of keys as the channel receives them now."""
+        channel, state = run.attached.channel, run.attached.state
+        if self._receive_whole(state, data):
+            self._note_valid(channel, state, time())
 
     def _checked(self, run: Run, accepted: list[Packet]) -> list[Packet]:
         """Return the packets for listeners, after the checks of the engine where they are needed."""
@@ -329,8 +340,11 @@ class Driver:
         if is_valid is None:
             is_valid = self._receive_whole(state, event.data)
         if is_valid:
-            channel.last_valid = event.time
-            channel.is_authenticated |= state.verifies
+            self._note_valid(channel, state, event.time)
+
+    def _note_valid(self, channel: Channel, state: ChannelState, received_at: float) -> None:
+        channel.last_valid = received_at
+        channel.is_authenticated |= state.verifies
 
     def _receive_whole(self, state: ChannelState, data: bytes) -> bool:
         """Handle each packet of received bytes; return whether they prove a valid peer."""
@@ -355,11 +369,11 @@ class Driver:
                 if self.native is not None:
                     self.native.channel_opened(channel, state, link)
             case ChannelClosed(channel):
+                if self.native is not None:
+                    self.native.channel_closed(channel)
                 state = self.channels.pop(channel)
                 del self._by_state[state]
                 self.engine.close_channel(state)
-                if self.native is not None:
-                    self.native.channel_closed(channel)
         self._on_event(event, None)
 
     def _set_timer(self) -> None:

@@ -14,6 +14,9 @@ engine until the node knows that it need not:
   Those that only listeners take need no check of the engine, and the core calls the listeners. Of messages
   with a boot time the discovery of components needs only those that it does not expect.
 
+Packets that wait in the core when a channel closes or gets a key are handled before the end of the channel,
+or parsed again with the key; when the node closes they are dropped.
+
 Signed packets always come. The times of packets that were left out are added to the routes and to the
 discovery of components before these depend on them.
 """
@@ -22,21 +25,20 @@ from __future__ import annotations
 
 import asyncio
 import os
-from dataclasses import dataclass
-from enum import IntEnum
+from collections import deque
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from time import monotonic, time
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
 from mavstack.links.native_stream import StreamReading, end_reading
 from mavstack.links.stream import StreamChannel
 from mavstack.links.udp_channel import UdpChannel
 from mavstack.node.dispatch import ANY
 from mavstack.node.input_interval import InputInterval
-from mavstack.node.message_fields import BOOT_FIELDS
-from mavstack.services import message_ids
+from mavstack.node.native_interest import interest_of_services
+from mavstack.node.native_runs import Attached, Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,47 +55,12 @@ HURRY_TIME: Final = 0.1
 MAX_ROUNDS: Final = 4
 #: Maximum seconds since the last read for which the event loop reads several times in a row.
 ROUND_TIME: Final = 0.0002
+#: Maximum number of takes after which nothing is left of what waited in the core.
+MAX_TAKES: Final = 32
+#: Minimum length of the packets that the core returns at once.
+MIN_TAKEN_BYTES: Final = 4096
 #: Reads that may return packets from before a grant was revoked: the current one and the next one.
 STALE_TAKES: Final = 2
-
-_RADIO_STATUS: Final = message_ids(common.RadioStatus)
-#: Messages that are sent regularly or without a request: there is no need to read them at once.
-_UNHURRIED: Final = message_ids(common.Heartbeat, common.GlobalPositionInt, common.Statustext)
-
-
-class Level(IntEnum):
-    """The interest of the node in a message of a source, as the core numbers it."""
-
-    NOTHING = 1
-    NEW_BOOT = 2
-    SOON = 3
-    NOW = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Attached:
-    """A channel whose packets the core parses; without a reading its bytes are fed to the core."""
-
-    channel: Channel
-    state: ChannelState
-    reading: NativeReading | None
-
-
-class Run(NamedTuple):
-    """Consecutive packets of a channel.
-
-    Attributes:
-        packets: The packets that the engine handles, oldest first.
-        listened: If they were kept, those that listeners take; some of them may be in `packets` too.
-        is_kept: They were kept as latest packets already.
-        is_checked: Those that listeners take need no check of the engine.
-    """
-
-    attached: Attached
-    packets: list[Packet]
-    listened: list[Packet]
-    is_kept: bool
-    is_checked: bool
 
 
 class NativeInput:
@@ -130,6 +97,8 @@ class NativeInput:
         self._descriptor: int | None = None
         self._is_direct = False
         self._stale_takes = 0
+        #: The handling of what was taken from the core, in order.
+        self._taken: deque[Callable[[], None]] = deque()
         #: The interval of reads while the event loop reads the sockets.
         self.interval = InputInterval(host.input_interval, self._look, self._watch)
         self._looked_at = 0.0
@@ -154,13 +123,14 @@ class NativeInput:
 
     def channel_opened(self, channel: Channel, state: ChannelState, link: Link) -> None:
         """Attach a new channel as soon as possible."""
-        self._waiting[channel] = Attached(channel, state, self._by_link.get(link))
+        self._waiting[channel] = Attached(channel, state, self._by_link.get(link), state.parser)
 
     def channel_closed(self, channel: Channel) -> None:
-        """Forget a channel that was closed."""
+        """Forget a channel that was closed, after its packets were handled; it is open in the engine."""
         self._waiting.pop(channel, None)
         if (number := self._number_by_channel.get(channel)) is not None:
             self._detach(number)
+        self._handle_taken()
 
     def settle(self) -> None:
         """Attach the channels that can be attached now: of which nothing waits any more."""
@@ -170,7 +140,7 @@ class NativeInput:
                 end_reading(channel)
             elif self._attach(number, attached):
                 del self._waiting[channel]
-                self._attached[number] = attached
+                self._attached[number] = replace(attached, parser=state.parser)
                 self._number_by_channel[channel] = number
                 self._number_of[state.name] = number
                 state.on_parser_changed = partial(self._detach, number, waits=True)
@@ -195,6 +165,7 @@ class NativeInput:
 
     def _detach(self, number: int, *, waits: bool = False) -> None:
         """Let the bytes of a channel come to the engine again; if it waits, until it can be attached."""
+        self._collect_all()
         attached = self._attached.pop(number)
         channel, state = attached.channel, attached.state
         self._sync_heard()
@@ -208,6 +179,8 @@ class NativeInput:
         state.on_parser_changed = lambda: None
         if waits:
             self._waiting[channel] = attached
+        if self._taken:
+            self._loop.call_soon(self._finish_taken)
 
     def _refresh(self, channel: Channel, number: int) -> None:
         self._add_received(channel, *self._intake.activity(number))
@@ -242,6 +215,7 @@ class NativeInput:
         for channel in self._waiting:
             end_reading(channel)
         self._waiting.clear()
+        self._taken.clear()
         self._read_directly(False)
         if self._descriptor is not None:
             self._loop.remove_reader(self._descriptor)
@@ -277,9 +251,12 @@ class NativeInput:
         """Receive bytes that the event loop read; return whether a packet is valid; None: not fed."""
         number = self._number_by_channel.get(channel)
         if number is None:
+            self._handle_taken()  # what was received before these bytes
             return None
         is_valid = self._intake.feed(number, data, self._now())
-        self._take()
+        takes = 1 + len(data) // MIN_TAKEN_BYTES
+        while self._take_once() and takes > 1:
+            takes -= 1
         return is_valid
 
     def call_listeners(self, packets: list[Packet], fail: Callable[[Exception], None]) -> None:
@@ -288,24 +265,53 @@ class NativeInput:
 
     def _take(self) -> bool:
         """Handle what waits in the core; return whether more may come without a wait."""
-        runs, datagrams, undecided, overloaded, is_direct = self._intake.take()
-        self._read_directly(is_direct)
-        for number, packets, listened, is_kept in runs:
-            attached = self._attached.get(number)
-            if attached is not None:
-                self._deliver(Run(attached, packets, listened, is_kept, not self._stale_takes))
-                if not is_kept:
-                    self._grant(number, attached.state, packets)
-        for source, message_id in undecided:
-            self._decide(source, message_id)
-        for socket, address, data, chunks in datagrams:
-            self._by_socket[socket].receive(data, address, chunks)
-        for socket, error in overloaded:
-            if (reading := self._readings.get(socket)) is not None:
-                reading.take_over(error)
+        return self._take_once() and self._is_direct
+
+    def _take_once(self) -> bool:
+        """Handle a part of what waits in the core; return whether there were packets."""
+        is_found = self._collect()
+        self._handle_taken()
         if self._stale_takes:
             self._stale_takes -= 1
-        return is_direct and bool(runs)
+        return is_found
+
+    def _collect(self) -> bool:
+        """Take a part of what waits in the core, to be handled; return whether there were packets."""
+        runs, datagrams, undecided, overloaded, is_direct = self._intake.take()
+        self._read_directly(is_direct)
+        for number, *run in runs:
+            if (attached := self._attached.get(number)) is not None:
+                self._taken.append(partial(self._handle_run, number, attached, *run))
+        self._taken += [partial(self._decide, source, message_id) for source, message_id in undecided]
+        for socket, address, data, chunks in datagrams:
+            self._taken.append(partial(self._by_socket[socket].receive, data, address, chunks))
+        self._taken += [partial(self._take_over, socket, error) for socket, error in overloaded]
+        return bool(runs)
+
+    def _collect_all(self) -> None:
+        """Take what waits in the core, before a channel is detached."""
+        takes = 1
+        while self._collect() and takes < MAX_TAKES:
+            takes += 1
+
+    def _handle_taken(self) -> None:
+        while self._taken:
+            self._taken.popleft()()
+
+    def _finish_taken(self) -> None:
+        self._handle_taken()
+        self._step()
+
+    def _handle_run(
+        self, number: int, attached: Attached, packets: list[Packet], listened: list[Packet], is_kept: bool
+    ) -> None:
+        self._deliver(Run(attached, packets, listened, is_kept, not self._stale_takes))
+        if not is_kept and number in self._attached:
+            self._grant(number, attached.state, packets)
+
+    def _take_over(self, socket: int, error: int) -> None:
+        if (reading := self._readings.get(socket)) is not None:
+            reading.take_over(error)
 
     def _grant(self, number: int, state: ChannelState, packets: list[Packet]) -> None:
         for source in {(packet.system, packet.component) for packet in packets if not packet.signed}:
@@ -323,18 +329,8 @@ class NativeInput:
 
     def _decide(self, source: tuple[int, int], message_id: int) -> None:
         listeners = self._host.packet_dispatch.functions(message_id, source)
-        self._intake.decide(source, message_id, self._level(source, message_id), listeners)
-
-    def _level(self, source: tuple[int, int], message_id: int) -> Level:
-        """Return the interest of services in a message of a source."""
-        discovery = self._host.discovery
-        services = self._host.engine.service_index.find(message_id, source[0])
-        others = [service for service in services if service is not discovery]
-        if others:
-            return Level.SOON if message_id in _UNHURRIED else Level.NOW
-        if services:
-            return Level.NEW_BOOT if message_id in BOOT_FIELDS else Level.SOON
-        return Level.SOON if message_id in _RADIO_STATUS else Level.NOTHING
+        level = interest_of_services(self._host, source, message_id)
+        self._intake.decide(source, message_id, level, listeners)
 
     # Changes of routes, services and listeners
 

@@ -1,0 +1,56 @@
+"""Packets that wait in the core when a channel closes or gets a key are handled, not dropped."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from time import sleep, time
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.links import ChannelClosed
+from mavstack.security import SigningKey
+from mavstack.wire import Encoder
+from tests.links.test_native_stream import vehicle_on
+from tests.waiting import wait_until
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
+
+COUNT = 3000
+
+
+def fill(node, vehicle, encode) -> list[int]:
+    """Let packets wait in the core, which reads while the event loop does not turn; return the received ones."""
+    received: list[int] = []
+    node.add_listener(common.VfrHud, lambda message: received.append(message.heading))
+    data = b"".join(encode(common.VfrHud(heading=number)) for number in range(COUNT))
+    assert vehicle.fill(data) == len(data)
+    sleep(0.1)
+    assert not received
+    return received
+
+
+async def test_packets_that_wait_when_a_channel_closes_are_handled_before_its_end(tmp_path):
+    async with vehicle_on("unix", tmp_path) as (node, vehicle), node.events(ChannelClosed) as events:
+        received = fill(node, vehicle, vehicle.encoder.encode)
+        node.links[0].channels[0].close()
+        await asyncio.wait_for(anext(events), 20)
+        assert received == list(range(len(received)))
+        assert len(received) == COUNT
+
+
+async def test_packets_that_wait_when_a_key_is_set_are_verified_with_it(tmp_path):
+    key = SigningKey.generate()
+    async with vehicle_on("unix", tmp_path) as (node, vehicle):
+        signed = Encoder(1, 1, signing=key.signing())
+
+        def encode(message: common.VfrHud) -> bytes:
+            return signed.encode(message, time()) if message.heading % 2 else vehicle.encoder.encode(message)
+
+        received = fill(node, vehicle, encode)
+        state = node.channel_state(node.links[0].channels[0])
+        state.signing = key.signing()
+        await wait_until(lambda: len(received) == COUNT // 2)
+        assert received == list(range(1, COUNT, 2))
+        assert state.signing.refusals.unsigned == COUNT // 2
