@@ -21,7 +21,7 @@ COUNT = 3000
 
 
 def fill(node, vehicle, encode) -> list[int]:
-    """Let packets wait in the core, which reads while the event loop does not turn; return the received ones."""
+    """Let packets wait in the core, while the event loop does not turn; return the list of received ones."""
     received: list[int] = []
     node.add_listener(common.VfrHud, lambda message: received.append(message.heading))
     data = b"".join(encode(common.VfrHud(heading=number)) for number in range(COUNT))

@@ -279,9 +279,9 @@ class NativeInput:
         """Take a part of what waits in the core, to be handled; return whether there were packets."""
         runs, datagrams, undecided, overloaded, is_direct = self._intake.take()
         self._read_directly(is_direct)
-        for number, *run in runs:
+        for number, packets, listened, is_kept in runs:
             if (attached := self._attached.get(number)) is not None:
-                self._taken.append(partial(self._handle_run, number, attached, *run))
+                self._taken.append(partial(self._handle_run, number, attached, packets, listened, is_kept))
         self._taken += [partial(self._decide, source, message_id) for source, message_id in undecided]
         for socket, address, data, chunks in datagrams:
             self._taken.append(partial(self._by_socket[socket].receive, data, address, chunks))
