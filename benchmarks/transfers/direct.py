@@ -3,7 +3,7 @@
 `python -m benchmarks.transfers.direct [--turns 5] [--works mission-up …] [--json]`
 
 Only the two programs are between the first request and the last answer, so a figure is the time of their
-round trips. The vehicle is started anew for each transfer: a simulated PX4 with 1,500 parameters and full
+round trips. Each transfer has a vehicle of its own: a simulated PX4 with 1,500 parameters and full
 telemetry, or for the file a node that serves 10 MB. The time counts from when the client found the vehicle.
 """
 

@@ -4066,7 +4066,8 @@ class Swarm:
         The time of the course slows down, so members keep their ways and the distances of the plan.
 
         Raises:
-            InvalidArgumentError: The swarm follows a leader, which does not wait.
+            InvalidArgumentError: The swarm follows a leader, which does not wait, or no course has begun: a
+                call checks its plan first.
         """
 
     def resume(self) -> None:

@@ -73,7 +73,7 @@ def test_followers_with_small_gains_receive_the_course():
     assert place.hdg / 100.0 == pytest.approx(course - 5.0 * LAG, abs=0.3)
 
 
-def test_a_heading_is_ahead_by_at_most_half_of_a_right_angle():
+def test_a_heading_is_ahead_by_half_of_a_right_angle_and_no_more():
     _, place, _, course = drive(0.1, 20.0, 8.0)
     assert (place.hdg / 100.0 - course) % 360.0 == pytest.approx(45.0 - 20.0 * LAG, abs=1.0)
 
