@@ -96,6 +96,7 @@ def new_message_class(
 
     Raises:
         DialectError: The layout contradicts itself.
+        TypeError: A base has a dictionary or weak references, or none derives from `MessageBase`.
         ValueError: There is not one member for each field.
     """
 

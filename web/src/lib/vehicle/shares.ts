@@ -11,7 +11,7 @@ export interface Share {
   /** The tracks with the straight ways between them. */
   readonly way_m: number;
   /** Null without a speed. */
-  readonly duration_s: number | null;
+  readonly duration_s: number;
   readonly legs: readonly (readonly (readonly [number, number])[])[];
   readonly items: readonly PlanItem[];
 }
