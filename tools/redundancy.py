@@ -81,12 +81,12 @@ def pass_through_functions(trees: dict[Path, ast.Module]) -> Iterator[str]:
     for path, tree in trees.items():
         demanded = {
             id(method)
-            for item in ast.walk(tree)
+            for item in _statements(tree)
             if isinstance(item, ast.ClassDef)
             for method in item.body
             if isinstance(method, Function) and method.name in _demanded_names(item, by_name)
         }
-        for function in ast.walk(tree):
+        for function in _statements(tree):
             if isinstance(function, Function) and id(function) not in demanded and _passes_on(function):
                 yield f"{path.relative_to(SOURCES)}:{function.lineno} {function.name}"
 
@@ -132,11 +132,33 @@ def _is_docstring(part: ast.stmt) -> bool:
 
 
 def _classes(path: Path, tree: ast.Module) -> Iterator[ClassFacts]:
-    for item in ast.walk(tree):
+    for item in _statements(tree):
         if isinstance(item, ast.ClassDef):
             bases = [_base_name(base) for base in item.bases]
             place = f"{path.relative_to(SOURCES)}:{item.lineno}"
             yield ClassFacts(place, item.name, bases, set(_members(item)))
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the statements in a node, in order; expressions have no definitions and are not searched."""
+    for block in ("body", "handlers", "orelse", "finalbody", "cases"):
+        for part in getattr(node, block, ()):
+            yield part
+            yield from _statements(part)
+
+
+def _targets(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[ast.expr]:
+    """Yield the expressions to which the statements of a function assign."""
+    for part in _statements(function):
+        match part:
+            case ast.Assign(targets=targets):
+                yield from targets
+            case ast.AnnAssign(target=target) | ast.AugAssign(target=target):
+                yield target
+            case ast.For(target=target) | ast.AsyncFor(target=target):
+                yield target
+            case ast.With(items=items) | ast.AsyncWith(items=items):
+                yield from (item.optional_vars for item in items if item.optional_vars is not None)
 
 
 def _base_name(base: ast.expr) -> str:
@@ -149,8 +171,12 @@ def _members(item: ast.ClassDef) -> Iterator[str]:
     for part in item.body:
         if isinstance(part, ast.FunctionDef | ast.AsyncFunctionDef):
             yield part.name
-            stored = (each for each in ast.walk(part) if isinstance(each, ast.Attribute))
-            yield from (each.attr for each in stored if isinstance(each.ctx, ast.Store))
+            stored = (each for target in _targets(part) for each in ast.walk(target))
+            yield from (
+                each.attr
+                for each in stored
+                if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store)
+            )
         elif isinstance(part, ast.AnnAssign | ast.Assign):
             for target in part.targets if isinstance(part, ast.Assign) else [part.target]:
                 yield ast.unparse(target)

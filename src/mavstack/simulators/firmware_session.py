@@ -150,10 +150,7 @@ class FirmwareSession:
         Raises:
             LinkError: The program ended by itself.
         """
-        if self._process is not None and self.options.firmware == "betaflight":
-            with suppress(TimeoutError):
-                await asyncio.wait_for(self._serves.wait(), BETAFLIGHT_START)
-        tasks: list[asyncio.Future[int | None]] = [asyncio.ensure_future(self.simulator.run(until=until))]
+        tasks: list[asyncio.Future[int | None]] = [asyncio.ensure_future(self._simulate(until))]
         if self._process is not None:
             tasks.append(asyncio.ensure_future(self._process.wait()))
         try:
@@ -165,6 +162,12 @@ class FirmwareSession:
             tasks[0].result()
         else:
             raise LinkError(f"the program of {self.options.firmware} ended with code {tasks[1].result()}")
+
+    async def _simulate(self, until: float | None) -> None:
+        if self._process is not None and self.options.firmware == "betaflight":
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._serves.wait(), BETAFLIGHT_START)
+        await self.simulator.run(until=until)
 
     async def __aenter__(self) -> Self:
         async with AsyncExitStack() as stack:
