@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
+from threading import Event
 from time import time
 
 import pytest
@@ -19,7 +20,6 @@ av = pytest.importorskip("av")
 
 from mavstack.server.video import recorder as module  # noqa: E402
 from mavstack.server.video.gateway import VideoGateway  # noqa: E402
-from mavstack.server.video.sources import CameraSource  # noqa: E402
 from mavstack.sim.video_camera import VideoCamera, attitude_picture  # noqa: E402
 from tests.server.video.test_gateway import browser, picture_of  # noqa: E402
 from tests.waiting import wait_until  # noqa: E402
@@ -178,8 +178,7 @@ class Scripted:
         await self.released.wait()
         yield self
 
-    def subscribe(self, *, drops_late_pictures):
-        self.drops_late_pictures = drops_late_pictures
+    def subscribe(self):
         return self
 
     def stop(self):
@@ -200,17 +199,113 @@ async def test_a_recording_that_begins_is_ended_by_the_close_of_the_station(tmp_
     assert recordings.list() == []
 
 
-@pytest.mark.parametrize("codec", ["h264", ""])
-@pytest.mark.parametrize("drops", [False, True])
-async def test_a_recording_drops_decoded_pictures_that_come_late(tmp_path, codec, drops):
-    gateway = Scripted()
+class Short(Scripted):
+    """A camera that ends its stream after one picture."""
+
+    def __init__(self):
+        super().__init__()
+        self.released.set()
+        self.has_sent = True
+
+    async def recv(self):
+        self.has_sent = not self.has_sent
+        if self.has_sent:
+            raise aiortc.mediastreams.MediaStreamError
+        return av.Packet(bytes(10))
+
+
+async def test_a_camera_that_comes_and_goes_is_opened_less_often(tmp_path, monkeypatch):
+    pauses, enough = [], asyncio.Event()
+
+    async def pause(seconds):
+        pauses.append(seconds)
+        if len(pauses) == 10:
+            enough.set()
+            await asyncio.Event().wait()
+
+    def write(file, _):
+        file.seconds = module.STABLE_TIME if len(pauses) == 7 else 1.0
+
+    monkeypatch.setattr(module.VideoFile, "write", write)
+    monkeypatch.setattr(module.asyncio, "sleep", pause)
+    recordings = VideoRecordings(Short, tmp_path)
+    await recordings.start(read_address("5600"), "5600", "x")
+    await asyncio.wait_for(enough.wait(), 20)
+    assert pauses == [2, 4, 8, 16, 32, 60, 60, 2, 4, 8], "the eighth stream was a long one"
+    assert recordings.list() == [], "files without a picture are removed"
+    await recordings.close()
+
+
+async def test_pictures_that_wait_for_the_disk_are_bounded_and_counted(tmp_path, monkeypatch):
+    """A camera that sends for a while to a disk that takes nothing."""
+    given = asyncio.Queue()
+
+    class Camera(Scripted):
+        async def recv(self):
+            return await given.get()
+
+    gateway, begun, released, written = Camera(), Event(), Event(), []
     gateway.released.set()
+
+    def write(file, data):
+        begun.set()
+        assert released.wait(20)
+        written.append(data.pts)
+        file.damaged = 1
+
+    monkeypatch.setattr(module.VideoFile, "write", write)
+    monkeypatch.setattr("mavstack.server.video.late_pictures.MAX_WAITING", 5000)
     recordings = VideoRecordings(lambda: gateway, tmp_path)
     await recordings.start(read_address("5600"), "5600", "x")
+    for number in range(22):
+        packet = av.Packet(bytes(1000))
+        packet.pts, packet.is_keyframe = number, number % 10 == 0
+        await given.put(packet)
+        if number == 0:
+            await wait_until(begun.is_set)
+    await wait_until(given.empty)
+    released.set()
+    await wait_until(lambda: len(written) == 3)
+    # While 0 is being written, 1 to 5 wait, and 6 is one too many; likewise 10 to 14, and 15.
+    assert written == [0, 20, 21]
+    (recorder,) = recordings._recorders
+    assert recorder.lost == 19 + 1
+    assert recordings.list()[0]["lost"] == 20
     await recordings.close()
-    assert gateway.drops_late_pictures
-    source = CameraSource(None, aiortc.mediastreams.VideoStreamTrack(), codec)
-    assert source.subscribe(drops_late_pictures=drops)._buffered is (bool(codec) or not drops)
+    assert recorder.lost == 20, "of all files"
+
+
+async def test_pictures_that_wait_when_the_camera_ends_are_written(tmp_path, monkeypatch):
+    """Also into the file that follows a full one."""
+    gateway, released, files = Scripted(), Event(), []
+    gateway.released.set()
+    sent = iter(range(5))
+
+    async def recv():
+        for number in sent:
+            packet = av.Packet(bytes(10))
+            packet.pts, packet.is_keyframe = number, True
+            return packet
+        gateway.is_live = False
+        released.set()
+        raise aiortc.mediastreams.MediaStreamError
+
+    def write(file, data):
+        assert released.wait(20)
+        files.append((file, data.pts))
+
+    gateway.recv = recv
+    monkeypatch.setattr(module.VideoFile, "write", write)
+    monkeypatch.setattr(module, "_CHECK_INTERVAL", 2)
+    monkeypatch.setattr(module, "_is_complete", lambda _: True)
+    recordings = VideoRecordings(lambda: gateway, tmp_path)
+    await recordings.start(read_address("5600"), "5600", "x")
+    await wait_until(lambda: len(files) == 5)
+    assert [number for _, number in files] == [0, 1, 2, 3, 4]
+    assert len({id(file) for file, _ in files}) == 3
+    (recorder,) = recordings._recorders
+    assert recorder.lost == 0
+    await recordings.close()
 
 
 @pytest.mark.parametrize("is_live", [True, False])

@@ -26,6 +26,7 @@ _EXAMPLE: Final = {
     "modified": 1790000000.0,
     "running": True,
     "seconds": 12.5,
+    "lost": 0,
     "problem": "",
     "uri": "rtsp://127.0.0.1:8554/camera",
 }

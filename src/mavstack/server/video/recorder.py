@@ -1,4 +1,8 @@
-"""The recording of one camera, which viewers share; after an interruption it continues in a new file."""
+"""The recording of one camera, which viewers share; after an interruption it continues in a new file.
+
+The pauses before a camera is opened again grow while its streams are short, so that a camera that comes and
+goes does not fill the folder with files.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +16,24 @@ from aiortc.mediastreams import MediaStreamError
 
 from mavstack.errors import LinkError, LogError, MavstackError
 from mavstack.http.bodies import RefusedError
+from mavstack.server.video.late_pictures import LatePictures
 from mavstack.server.video.video_file import VideoFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from aiortc import MediaStreamTrack
+
     from mavstack.server.video.addresses import CameraAddress
     from mavstack.server.video.gateway import VideoGateway
     from mavstack.server.video.sources import CameraSource
 
-#: Seconds between two attempts to open a camera that ended its stream.
+#: Seconds between two attempts to open a camera that ended its stream, at first and at most.
 RETRY_INTERVAL: Final = 2.0
+MAX_RETRY_INTERVAL: Final = 60.0
+#: Seconds of video after which a stream is not a short one.
+STABLE_TIME: Final = 30.0
 #: Maximum bytes of a file; the recording continues in the next one.
 MAX_FILE: Final = 4 << 30
 #: Bytes that stay free on the disk: a recording ends before.
@@ -49,7 +59,9 @@ class Recorder:
         #: The reason why nothing is recorded at present; empty: it is.
         self.problem = ""
         self._seconds = 0.0
+        self._lost = 0
         self._file: VideoFile | None = None
+        self._pictures: LatePictures | None = None
 
     @property
     def running(self) -> bool:
@@ -60,6 +72,12 @@ class Recorder:
     def seconds(self) -> float:
         """Seconds of video in all files."""
         return self._seconds + (0.0 if self._file is None else self._file.seconds)
+
+    @property
+    def lost(self) -> int:
+        """The number of pictures that are in no file: the disk was too slow, or they were damaged."""
+        late = 0 if self._pictures is None else self._pictures.dropped
+        return self._lost + late + (0 if self._file is None else self._file.damaged)
 
     async def start(self) -> None:
         """Open the camera and begin.
@@ -88,7 +106,9 @@ class Recorder:
                 await self._task
 
     async def _run(self, begun: asyncio.Future[None]) -> None:
+        pause = RETRY_INTERVAL
         while True:
+            before = self.seconds
             try:
                 async with self._gateway.camera(self._address) as source:
                     self.problem = ""
@@ -103,20 +123,26 @@ class Recorder:
                     return
                 if isinstance(error, LogError):
                     return
-            await asyncio.sleep(RETRY_INTERVAL)
+            if self.seconds - before >= STABLE_TIME:
+                pause = RETRY_INTERVAL
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, MAX_RETRY_INTERVAL)
 
     async def _record(self, source: CameraSource, begun: asyncio.Future[None]) -> None:
         """Write files until the camera ends its stream."""
-        track = source.subscribe(drops_late_pictures=True)
+        track, pictures = source.subscribe(), LatePictures()
+        self._pictures = pictures
+        reading = asyncio.create_task(_read(track, pictures))
         try:
-            while source.is_live:
-                await self._fill_file(track, begun)
-        except MediaStreamError:
-            pass
+            while (source.is_live or pictures) and await self._fill_file(pictures, begun):
+                pass
         finally:
             track.stop()
+            reading.cancel()
+            self._lost, self._pictures = self._lost + pictures.dropped + len(pictures), None
 
-    async def _fill_file(self, track: object, begun: asyncio.Future[None]) -> None:
+    async def _fill_file(self, pictures: LatePictures, begun: asyncio.Future[None]) -> bool:
+        """Write one file; False: the camera has ended its stream."""
         path = self._new_path()
         self._file = VideoFile(path)
         self.paths.append(path)
@@ -127,17 +153,29 @@ class Recorder:
         with_disk = ThreadPoolExecutor(1, "video-recording")
         try:
             count = 0
-            while True:
-                data = await track.recv()  # type: ignore[attr-defined]
+            while (data := await pictures.get()) is not None:
                 await loop.run_in_executor(with_disk, self._file.write, data)
                 count += 1
                 if count % _CHECK_INTERVAL == 0 and await loop.run_in_executor(with_disk, _is_complete, path):
-                    return
+                    return True
+            return False
         finally:
             closing = loop.run_in_executor(with_disk, self._file.close)
             with_disk.shutdown(wait=False)
-            self._seconds, self._file = self.seconds, None
+            self._seconds, self._lost = self.seconds, self._lost + self._file.damaged
+            self._file = None
             await asyncio.shield(closing)
+
+
+async def _read(track: MediaStreamTrack, pictures: LatePictures) -> None:
+    """Take the pictures of a camera at once, so that they wait only where they are bounded."""
+    try:
+        while True:
+            pictures.put(await track.recv())  # type: ignore[arg-type]
+    except MediaStreamError:
+        pass
+    finally:
+        pictures.end()
 
 
 def _is_complete(path: Path) -> bool:

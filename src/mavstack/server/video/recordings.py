@@ -128,6 +128,7 @@ class VideoRecordings:
             "modified": modified,
             "running": running,
             "seconds": None if recorder is None else round(recorder.seconds, 1),
+            "lost": 0 if recorder is None else recorder.lost,
             "problem": "" if recorder is None else recorder.problem,
             "uri": "" if recorder is None else self._recorders.get(recorder, ""),
         }

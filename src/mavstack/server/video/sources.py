@@ -61,18 +61,9 @@ class CameraSource:
         """True until the camera has ended its stream."""
         return bool(self._track.readyState == "live")
 
-    def subscribe(self, *, drops_late_pictures: bool = False) -> MediaStreamTrack:
-        """Return a track for one viewer.
-
-        Args:
-            drops_late_pictures: True: decoded pictures that come while the viewer asks for none are dropped,
-                so that they do not fill the memory. H.264 that is passed on is small and waits in any case,
-                since each of its packets needs the ones before.
-
-        Returns:
-            The track.
-        """
-        return self._relay.subscribe(self._track, buffered=bool(self.codec) or not drops_late_pictures)
+    def subscribe(self) -> MediaStreamTrack:
+        """Return a track for one viewer, who must take its pictures at once: they wait without a bound."""
+        return self._relay.subscribe(self._track)
 
     async def close(self) -> None:
         """Close the camera; its thread may wait for a packet, so that another thread waits for its end."""

@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LogError, MissingExtraError
+from mavstack.server.video.nal_units import PARAMETER_SETS, SLICES, unit_types
 
 try:
     import av
@@ -48,11 +49,14 @@ class VideoFile:
         #: The time of the first picture: a camera counts from its opening, which may be long ago.
         self._first = 0
         self._last = -1
-        #: Seconds of video in the file.
+        self._needs_key = True
+        #: Seconds of video in the file, and the number of packets that were left out: the damaged ones, and
+        #: the ones after them that need them.
         self.seconds = 0.0
+        self.damaged = 0
 
     def write(self, data: av.Packet[av.VideoStream] | av.VideoFrame) -> None:
-        """Append a packet of H.264, or a picture.
+        """Append a packet of H.264, or a picture; damaged packets are left out, with the ones that need them.
 
         Raises:
             LogError: The file cannot be written.
@@ -83,16 +87,22 @@ class VideoFile:
             raise self._failure(error) from None
 
     def _write_packet(self, packet: av.Packet[av.VideoStream]) -> None:
-        if self._container is None:
-            if not packet.is_keyframe:
-                return  # nothing can be shown before
+        data = bytes(packet)  # a copy: the packet belongs to the viewers too
+        types = unit_types(data)
+        if packet.pts is None or types.isdisjoint(SLICES):
+            # The muxer accepts any bytes, and a file that begins with damaged ones cannot be opened.
+            self.damaged += 1
+            self._needs_key = True
+            return
+        if self._needs_key and not _can_begin(packet, types):
+            self.damaged += self._container is not None
+            return
+        self._needs_key = False
+        if self._container is None or self._stream is None:
             self._container = self._open()
             self._stream = self._container.add_stream_from_template(packet.stream)
-            self._first = packet.pts or 0
-        if self._stream is None or packet.pts is None:
-            return
-        # The packet belongs to the viewers too.
-        copy = av.Packet(bytes(packet))
+            self._first = packet.pts
+        copy = av.Packet(data)
         self._last = max(self._last + 1, packet.pts - self._first)
         copy.pts = copy.dts = self._last
         copy.time_base, copy.is_keyframe, copy.stream = packet.time_base, packet.is_keyframe, self._stream
@@ -132,3 +142,9 @@ class VideoFile:
     def _failure(self, error: Exception) -> LogError:
         reason = getattr(error, "strerror", None) or str(error)
         return LogError(f"writing {self._path.name} failed: {reason}")
+
+
+def _can_begin(packet: av.Packet[av.VideoStream], types: frozenset[int]) -> bool:
+    """Return whether a packet needs no other, and its parameter sets are known."""
+    known = types | unit_types(packet.stream.codec_context.extradata or b"")
+    return bool(packet.is_keyframe) and known >= PARAMETER_SETS
