@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import json
 import struct
+from contextlib import suppress
 from typing import Any
 
 import pytest
+from websockets.exceptions import ConnectionClosed
 
 SUBPROTOCOL = "foxglove.sdk.v1"
 _MESSAGE, _RESPONSE = 1, 3
@@ -47,17 +49,21 @@ class FoxgloveClient:
         await self.socket.send(head + encoding + data)
 
     async def _read(self) -> None:
-        async for frame in self.socket:
-            if isinstance(frame, bytes):
-                self._take(frame)
-                continue
-            fields = json.loads(frame)
-            self.texts.append(fields)
-            for channel in fields.get("channels", ()) if fields["op"] == "advertise" else ():
-                self.channels[channel["topic"]] = channel
-                self._topics[channel["id"]] = channel["topic"]
-            for service in fields.get("services", ()):
-                self.services[service["name"]] = service
+        # An error that nobody retrieves would be logged while garbage is collected, inside of any other code.
+        with suppress(ConnectionClosed):
+            async for frame in self.socket:
+                if isinstance(frame, bytes):
+                    self._take(frame)
+                else:
+                    self._note(json.loads(frame))
+
+    def _note(self, fields: dict[str, Any]) -> None:
+        self.texts.append(fields)
+        for channel in fields.get("channels", ()) if fields["op"] == "advertise" else ():
+            self.channels[channel["topic"]] = channel
+            self._topics[channel["id"]] = channel["topic"]
+        for service in fields.get("services", ()):
+            self.services[service["name"]] = service
 
     def _take(self, frame: bytes) -> None:
         if frame[0] == _MESSAGE:
