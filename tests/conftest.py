@@ -67,6 +67,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.properties)
         if "seeds" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.seeds)
+        if item.get_closest_marker("interop"):
+            # External programs have timeouts in real time, which expire on a busy machine.
+            item.add_marker(pytest.mark.flaky(reruns=2))
     check_that_files_name_tiers(items)
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import os
+import socket
+from contextlib import ExitStack
 from time import sleep, time
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.links import ChannelClosed
+from mavstack.node import Node
 from mavstack.security import SigningKey
 from mavstack.wire import Encoder
 from tests.links.test_native_stream import vehicle_on
@@ -18,6 +21,7 @@ from tests.waiting import wait_until
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
 
 COUNT = 3000
+DATAGRAMS = 400
 
 
 def fill(node, vehicle, encode) -> list[int]:
@@ -54,3 +58,26 @@ async def test_packets_that_wait_when_a_key_is_set_are_verified_with_it(tmp_path
         await wait_until(lambda: len(received) == COUNT // 2)
         assert received == list(range(1, COUNT, 2))
         assert state.signing.refusals.unsigned == COUNT // 2
+
+
+def send_in_turns(address) -> list[tuple[int, int]]:
+    """Send datagrams of two vehicles, while the event loop does not turn; return their systems and numbers."""
+    sent = [(number % 2 + 1, number) for number in range(DATAGRAMS)]
+    encoders = {system: Encoder(system, 1) for system in (1, 2)}
+    with ExitStack() as stack:
+        opened = [stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in encoders]
+        for system, number in sent:
+            opened[system - 1].sendto(encoders[system].encode(common.VfrHud(heading=number)), address)
+    sleep(0.1)
+    return sent
+
+
+async def test_datagrams_that_wait_before_their_channels_are_attached_are_handled_in_order():
+    async with Node("udpin://127.0.0.1:0", heartbeat=False) as node:
+        received: list[tuple[int, int]] = []
+        node.add_packet_listener(
+            common.VfrHud, lambda packet: received.append((packet.system, packet.message.heading))
+        )
+        sent = send_in_turns(node.links[0].address)
+        await wait_until(lambda: len(received) == DATAGRAMS)
+        assert received == sent

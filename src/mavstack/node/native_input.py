@@ -165,13 +165,13 @@ class NativeInput:
 
     def _detach(self, number: int, *, waits: bool = False) -> None:
         """Let the bytes of a channel come to the engine again; if it waits, until it can be attached."""
-        self._collect_all()
-        attached = self._attached.pop(number)
-        channel, state = attached.channel, attached.state
         self._sync_heard()
         if stream := self._readings.pop(number, None):
             stream.stop()
         received = self._intake.detach(number)
+        self._collect_all()
+        attached = self._attached.pop(number)
+        channel, state = attached.channel, attached.state
         del self._number_by_channel[channel]
         self._add_received(channel, *received)
         channel.refresh = channel.on_closing = lambda: None
@@ -289,7 +289,7 @@ class NativeInput:
         return bool(runs)
 
     def _collect_all(self) -> None:
-        """Take what waits in the core, before a channel is detached."""
+        """Take what waits in the core, of a channel that it parses no more."""
         takes = 1
         while self._collect() and takes < MAX_TAKES:
             takes += 1
