@@ -61,7 +61,7 @@ async def test_packets_that_wait_when_a_key_is_set_are_verified_with_it(tmp_path
 
 
 def send_in_turns(address) -> list[tuple[int, int]]:
-    """Send datagrams of two vehicles, while the event loop does not turn; return their systems and numbers."""
+    """Send datagrams of two vehicles while the event loop does not turn; return their systems and numbers."""
     sent = [(number % 2 + 1, number) for number in range(DATAGRAMS)]
     encoders = {system: Encoder(system, 1) for system in (1, 2)}
     with ExitStack() as stack:
