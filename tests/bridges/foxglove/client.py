@@ -49,7 +49,7 @@ class FoxgloveClient:
         await self.socket.send(head + encoding + data)
 
     async def _read(self) -> None:
-        # An error that nobody retrieves would be logged while garbage is collected, inside of any other code.
+        # An error that is not retrieved would be logged while garbage is collected, inside of any other code.
         with suppress(ConnectionClosed):
             async for frame in self.socket:
                 if isinstance(frame, bytes):
