@@ -167,12 +167,14 @@ def test_a_running_autopilot_is_asked_to_start_its_bootloader_unless_it_is_armed
         if board is not None:
             return board.exchange(data)
         messages = (packet.message for packet in parser.feed(bytes(data)))
-        commands.extend(each for each in messages if isinstance(each, common.CommandLong))
+        asked = [each for each in messages if isinstance(each, common.CommandLong)]
+        commands.extend(asked)
+        acks = [common.CommandAck(command=each.command, result=common.MavResult.ACCEPTED) for each in asked]
         heartbeat = common.Heartbeat(
             type=common.MavType.QUADROTOR, autopilot=common.MavAutopilot.PX4, base_mode=mode
         )
         gimbal = common.Heartbeat(type=common.MavType.GIMBAL, autopilot=common.MavAutopilot.INVALID)
-        return list(gimbals.encode(gimbal) + encoder.encode(heartbeat))
+        return list(gimbals.encode(gimbal) + b"".join(map(encoder.encode, [*acks, heartbeat])))
 
     page = opened(pages, exchange)
     choose_file(page, make_container(IMAGE, 50))
