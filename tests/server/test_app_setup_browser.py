@@ -147,9 +147,9 @@ def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
 
 
 @pytest.mark.parametrize("firmware", ["betaflight", "inav"])
-def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(tmp_path, firmware) -> None:
-    target = BackgroundFlightController(firmware)
-    with target, web_station(tmp_path, target.url) as url, open_pages() as new_page:
+def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(world, tmp_path, firmware) -> None:
+    target, (_, _, new_page) = BackgroundFlightController(firmware), world
+    with target, web_station(tmp_path, target.url) as url:
         page = new_page(f"{url}#/setup", phone=True)
         open_section(page, "Serial ports")
         page.get_by_label("Functions of UART2: GPS", exact=True).click()
