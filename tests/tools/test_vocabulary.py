@@ -48,6 +48,11 @@ def test_docstrings_and_comments_are_checked() -> None:
     assert words("a.py", text) == [(3, "What"), (6, "What"), (7, "soup")]
 
 
+def test_texts_contain_no_comments_and_comments_no_texts() -> None:
+    text = 'x = \'# soup\'\ny = """\n# soup \\""" # soup\n"""\nz = 1  # it\'s soup\nw = \'a\\\'\'  # \'soup\n'
+    assert words("a.py", text) == [(5, "soup"), (6, "soup")]
+
+
 def test_questions_may_begin_with_what() -> None:
     assert words("a.md", "## What is a link?\n") == []
 
