@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from tests.swarm.flight_model import Conditions, fly
 
 COUNT = 100
 MARGINS, LIMITS = Margins(), Limits()
+#: Swarms that fly at once; the batch of a seed is always the same, so that each seed replays exactly.
+BATCH = 20
 
 
 def places(random, spacing):
@@ -23,31 +26,52 @@ def places(random, spacing):
     return np.column_stack((north, east, np.zeros(COUNT))) * spacing + (0.0, 0.0, 20.0)
 
 
-def flown(seed, conditions=None, margins=MARGINS):
-    random = np.random.default_rng(seed)
-    distance = margins.planned_distance
-    spacing = distance * np.sqrt(2.0) + 1e-3
-    plan = plan_transition(places(random, spacing), places(random, spacing), distance, limits=LIMITS)
-    return fly(plan, random, margins, LIMITS, conditions)
+def plan(seed, distance):
+    random, spacing = np.random.default_rng(seed), distance * np.sqrt(2.0) + 1e-3
+    return plan_transition(places(random, spacing), places(random, spacing), distance, limits=LIMITS)
+
+
+def flown(seeds, conditions=None, margins=MARGINS):
+    """Return for each seed the smallest separation, and the largest error of a slot."""
+    plans = [plan(seed, margins.planned_distance) for seed in seeds]
+    return fly(plans, np.random.default_rng([1, seeds[0]]), margins, LIMITS, conditions)
+
+
+@lru_cache(maxsize=1)
+def batch_flown(batch):
+    """Fly a batch: of every second one, vehicles add the acceleration of a setpoint to their own."""
+    return flown(range(batch * BATCH, (batch + 1) * BATCH), Conditions(feedforward=float(batch % 2)))
 
 
 def check(seed):
-    smallest, error = flown(seed, Conditions(feedforward=float(seed % 2)))
-    assert smallest >= MARGINS.minimum
-    assert error < 2.0
+    batch, index = divmod(seed, BATCH)
+    smallest, error = batch_flown(batch)
+    assert smallest[index] >= MARGINS.minimum
+    assert error[index] < 2.0
 
 
-def test_vehicles_never_come_nearer_than_the_minimum():
-    for seed in range(3):
-        check(seed)
+@pytest.mark.parametrize("feedforward", [0.0, 1.0])
+def test_vehicles_never_come_nearer_than_the_minimum(feedforward):
+    smallest, error = flown(range(3), Conditions(feedforward=feedforward))
+    assert smallest.min() >= MARGINS.minimum
+    assert error.max() < 2.0
 
 
 def test_the_model_finds_margins_that_are_too_small():
     """Plans without margins for errors come nearer than they plan to."""
     careless = replace(MARGINS, position=0.0, tracking=0.0, latency=0.0)
-    assert flown(0, margins=careless)[0] < careless.minimum
+    assert flown(range(1), margins=careless)[0] < careless.minimum
     calm = Conditions(latency=0.0, loss=0.0, noise=0.0, wind=0.0)
-    assert flown(0, calm, replace(careless, tracking=0.5))[0] >= careless.minimum
+    assert flown(range(1), calm, replace(careless, tracking=0.5))[0] >= careless.minimum
+
+
+def test_swarms_that_fly_at_once_do_not_disturb_each_other():
+    calm = Conditions(loss=0.0, noise=0.0, gusts=0.0)
+    together = flown(range(3), calm)
+    for seed in range(3):
+        alone = flown(range(seed, seed + 1), calm)
+        assert together[0][seed] == pytest.approx(alone[0][0], abs=0.05)
+        assert together[1][seed] == pytest.approx(alone[1][0], abs=0.05)
 
 
 @pytest.mark.flight

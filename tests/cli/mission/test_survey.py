@@ -8,6 +8,7 @@ import pytest
 
 from mavstack.files.plans import PlanFile, format_plan, read_plan
 from mavstack.files.plans.fence import FenceAreas, Polygon, fence_items
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.cli.harness import COPTER, PX4_COPTER
 
 CORNERS = ("47.3970,8.5450", "47.3970,8.5463", "47.3988,8.5463", "47.3988,8.5450")
@@ -55,6 +56,27 @@ def test_a_survey_is_uploaded_to_two_vehicles(simulate, mav):
     assert (result.code, result.err) == (0, "")
     assert [line.partition(":")[0] for line in result.out.splitlines()] == ["vehicle 1", "vehicle 2"]
     assert mav("mission", "download", "-", "--system", 2).out.count("\n") > 4
+
+
+def test_shares_and_durations_are_those_of_the_speeds_of_vehicle_types(simulate, mav):
+    simulate(COPTER, (VehicleType.ROVER, Firmware.ARDUPILOT), apart=True)
+    words = (
+        "mission",
+        "survey",
+        *CORNERS,
+        "--url",
+        "udp://:1",
+        "--all",
+        "--spacing",
+        20,
+        "--dry-run",
+        "--json",
+    )
+    copter, rover = json.loads(mav(*words).out)["vehicles"]
+    assert copter["length_m"] == pytest.approx(2.5 * rover["length_m"], rel=0.05)
+    assert copter["duration_s"] == pytest.approx(rover["duration_s"], rel=0.2)
+    copter, rover = json.loads(mav(*words, "--speed", 3).out)["vehicles"]
+    assert copter["length_m"] == pytest.approx(rover["length_m"], rel=0.05)
 
 
 def test_a_search_of_one_vehicle_is_a_mission(mav, tmp_path):

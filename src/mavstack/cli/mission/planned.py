@@ -20,6 +20,7 @@ from mavstack.files.plans.model import params_of
 from mavstack.swarm.search.division import Searcher
 from mavstack.swarm.search.missions import MissionOptions
 from mavstack.vehicle import Group
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -42,11 +43,13 @@ class Planned:
         shares: The share of each vehicle.
         frame: The frame of their legs; its origin is the home in files.
         values: The measures of the plan, the first members of its JSON.
+        searchers: The vehicles, whose speeds the durations are for.
     """
 
     shares: Sequence[Share]
     frame: LocalFrame
     values: Mapping[str, Any]
+    searchers: Sequence[Searcher]
 
 
 def add_plan_options(action: ArgumentParser) -> None:
@@ -56,7 +59,12 @@ def add_plan_options(action: ArgumentParser) -> None:
         ("--bearing", None, "DEGREES", "direction of the tracks (default: the plan's own)"),
         ("--altitude", 30.0, "M", "height of the first vehicle above home (default: 30)"),
         ("--layer-spacing", 10.0, "M", "metres by which each vehicle is higher (default: 10)"),
-        ("--speed", None, "M/S", "ground speed (default: the vehicle's; times are shown for 5)"),
+        (
+            "--speed",
+            None,
+            "M/S",
+            "ground speed (default: the vehicle's; times are those of its type)",
+        ),
     )
     for name, default, metavar, text in numbers:
         add(name, type=finite_number, default=default, metavar=metavar, help=text)
@@ -112,7 +120,8 @@ def searcher_of(arguments: Namespace, frame: LocalFrame, vehicle: Vehicle | None
     """Return the position and speed of a vehicle, for the planner."""
     position = None if vehicle is None else vehicle.position
     start = None if position is None else frame.to_local(position.latitude, position.longitude, 0.0)[:2]
-    return Searcher(arguments.speed or Searcher().speed, start=start)
+    kind = VehicleType.OTHER if vehicle is None else vehicle.vehicle_type
+    return Searcher(arguments.speed or kind.typical_speed, start=start)
 
 
 def mission_options(arguments: Namespace) -> MissionOptions:
@@ -144,38 +153,38 @@ async def _upload(shares: Mapping[Vehicle, Share], *, start: bool) -> None:
 
 
 def _finish(arguments: Namespace, plan: Planned, systems: Sequence[int], *, numbered: bool) -> int:
-    shares = dict(zip(systems, plan.shares, strict=True))
+    found = list(zip(systems, plan.shares, plan.searchers, strict=True))
     if arguments.out is not None:
         home = Home(plan.frame.latitude, plan.frame.longitude, 0.0)
-        for system, share in shares.items():
+        for system, share, _ in found:
             path = Path(arguments.out)
-            if numbered or len(shares) > 1:
+            if numbered or len(found) > 1:
                 path = path.with_name(f"{path.stem}-{system}{path.suffix or '.plan'}")
             if share.items:
                 save(PlanFile.of(share.items, home=home), str(path), None, force=False)
     if arguments.json:
         uploaded = not (arguments.dry_run or arguments.out is not None)
-        vehicles = [_as_json(arguments, system, share) for system, share in shares.items()]
+        vehicles = [_as_json(*each) for each in found]
         echo_json({**plan.values, "uploaded": uploaded, "vehicles": vehicles})
     else:
-        echo(*(_line(arguments, system, share) for system, share in shares.items()))
+        echo(*(_line(*each) for each in found))
     return 0
 
 
-def _line(arguments: Namespace, system: int, share: Share) -> str:
+def _line(system: int, share: Share, searcher: Searcher) -> str:
     if not share.items:
         return f"vehicle {system}: no part of the plan"
-    minutes = share.way / (arguments.speed or Searcher().speed) / 60.0
+    minutes = share.way / searcher.speed / 60.0
     text = f"{len(share.tracks)} legs, {share.length:.0f} m, {minutes:.1f} min at {share.altitude:.0f} m"
     return f"vehicle {system}: {text}"
 
 
-def _as_json(arguments: Namespace, system: int, share: Share) -> dict[str, Any]:
+def _as_json(system: int, share: Share, searcher: Searcher) -> dict[str, Any]:
     return {
         "system": system,
         "altitude_m": share.altitude,
         "length_m": round(share.length, 1),
-        "duration_s": round(share.way / (arguments.speed or Searcher().speed), 1),
+        "duration_s": round(share.way / searcher.speed, 1),
         "waypoints": [
             [*params_of(item)[4:]] for item in share.items if item.command == common.MavCmd.NAV_WAYPOINT
         ],

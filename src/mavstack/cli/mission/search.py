@@ -58,6 +58,7 @@ def search(arguments: Namespace, select: SelectVehicles, *, numbered: bool) -> i
             "size_m": arguments.size,
             "spacing_m": arguments.spacing,
         }
-        return Planned(plan_search(tracks, searchers, frame, mission_options(arguments)), frame, values)
+        shares = plan_search(tracks, searchers, frame, mission_options(arguments))
+        return Planned(shares, frame, values, searchers)
 
     return run_plan(arguments, make, select, numbered=numbered)

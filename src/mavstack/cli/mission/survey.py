@@ -106,7 +106,7 @@ def survey(arguments: Namespace, select: SelectVehicles) -> int:
             "bearing_deg": None if plan.bearing is None else round(plan.bearing % 180.0, 3),
             "trigger_distance_m": round(options.mission_options.trigger_distance, 3),
         }
-        return Planned(plan.shares, plan.frame, values)
+        return Planned(plan.shares, plan.frame, values, searchers)
 
     return run_plan(arguments, make, select, numbered=False)
 
