@@ -26,6 +26,8 @@ def plain(value: object) -> Any:
     """Return a value as JSON has it: None, a bool, a number, a text, a list or a dictionary."""
     if type(value) in _PLAIN:
         return value
+    if isinstance(value, float):
+        return value if isfinite(value) else None
     match value:
         case None | bool() | str():
             return value
@@ -33,8 +35,6 @@ def plain(value: object) -> Any:
             return value.value
         case Enum():
             return value.name.lstrip("_") if isinstance(value, int) else plain(value.value)
-        case float():
-            return value if isfinite(value) else None
         case int():
             return int(value)
         case Mapping():
@@ -48,12 +48,7 @@ def plain(value: object) -> Any:
 
 def json_bytes(value: object) -> bytes:
     """Return a value as compact JSON in UTF-8."""
-    return plain_bytes(plain(value))
-
-
-def plain_bytes(value: object) -> bytes:
-    """Return a value that `plain` returned as compact JSON in UTF-8."""
-    text = _ENCODER.encode(value)
+    text = _ENCODER.encode(plain(value))
     return text.encode("utf-8", "backslashreplace")  # a lone surrogate becomes a JSON escape
 
 

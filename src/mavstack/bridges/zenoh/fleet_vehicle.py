@@ -12,9 +12,9 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.calls import CALLS, VehicleCalls
-from mavstack.bridges.core.plain_json import json_bytes, parse_object, plain_bytes
+from mavstack.bridges.core.plain_json import json_bytes, parse_object
 from mavstack.bridges.core.services.context import ServiceContext
-from mavstack.bridges.core.snapshots import GROUPS, snapshot
+from mavstack.bridges.core.snapshots import GROUPS
 from mavstack.bridges.zenoh.frame_batch import FrameBatch
 from mavstack.bridges.zenoh.frame_guard import FrameGuard
 from mavstack.bridges.zenoh.keys import VehicleKeys, command_of
@@ -68,6 +68,8 @@ class FleetVehicle:
         self._batch_pending = batch_pending
         self._calls = VehicleCalls(vehicle, role, ServiceContext(_ignore))
         self._messages = MessagePublishers(bus, keys)
+        #: The groups as they were read last, and as they were published.
+        self._read: dict[str, Any] = {}
         self._states: dict[str, bytes] = {}
         self._state_publishers: dict[str, Any] = {}
         self._frames: Any = None
@@ -117,10 +119,11 @@ class FleetVehicle:
     def publish_states(self) -> None:
         """Publish the groups of the state that have changed."""
         for group, publisher in self._state_publishers.items():
-            state = snapshot(self.vehicle, group)
-            if state is None:
+            state = GROUPS[group](self.vehicle)
+            if state is None or state == self._read.get(group):
                 continue
-            data = plain_bytes(state)
+            self._read[group] = state
+            data = json_bytes(state)
             if data != self._states.get(group):
                 self._states[group] = data
                 publisher.put(data, encoding=_JSON)

@@ -105,12 +105,16 @@ def _sensors(telemetry: Telemetry) -> Iterator[str]:
     status = recent(telemetry, common.SysStatus)
     if status is None:
         return
-    wrong = status.onboard_control_sensors_enabled & ~status.onboard_control_sensors_health
-    more = status.onboard_control_sensors_enabled_extended & ~status.onboard_control_sensors_health_extended
+    # Numbers, not flags: a set of flags without a name of its own is slow to make, and health is read often.
+    enabled, healthy = int(status.onboard_control_sensors_enabled), int(status.onboard_control_sensors_health)
+    wrong = enabled & ~healthy
     if any(_gps_problems(telemetry)):
-        wrong &= ~_GPS  # the GPS problem has more detail
+        wrong &= ~int(_GPS)  # the GPS problem has more detail
+    more = int(status.onboard_control_sensors_enabled_extended)
+    more &= ~int(status.onboard_control_sensors_health_extended)
     for mask, names in ((wrong, SENSORS), (more, EXTENDED_SENSORS)):
-        yield from (f"{name} is not healthy" for bit, name in names if mask & bit)
+        if mask:
+            yield from (f"{name} is not healthy" for bit, name in names if mask & int(bit))
 
 
 def _gps_problems(telemetry: Telemetry) -> Iterator[str]:
@@ -135,7 +139,7 @@ def _ekf(telemetry: Telemetry) -> Iterator[str]:
         return
     if status.flags & _EKF.GPS_GLITCHING:
         yield "GPS glitches"
-    yield from _missing(status.flags)
+    yield from _missing(int(status.flags))
     yield from _contradictions(tuple(getattr(status, name) for name, _, _ in RATIOS))
 
 
@@ -147,12 +151,12 @@ def _estimator(telemetry: Telemetry) -> Iterator[str]:
         yield "GPS glitches"
     if status.flags & _ESTIMATOR.ACCEL_ERROR:
         yield "the estimator rejects the accelerometer"
-    yield from _missing(status.flags)
+    yield from _missing(int(status.flags))
     yield from _contradictions(tuple(getattr(status, name) for _, name, _ in RATIOS))
 
 
 def _missing(flags: int) -> Iterator[str]:
-    yield from (f"{name} is not estimated" for bits, name in ESTIMATES if not flags & bits)
+    yield from (f"{name} is not estimated" for bits, name in ESTIMATES if not flags & int(bits))
 
 
 def _contradictions(ratios: tuple[float, ...]) -> Iterator[str]:
