@@ -1,10 +1,18 @@
 from __future__ import annotations
 
 import asyncio
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from mavstack.bridges.core.zenoh_session import SessionOptions, close_session, open_session, zenoh_module
+from mavstack.bridges.core.zenoh_session import (
+    RouterReports,
+    SessionOptions,
+    close_session,
+    open_session,
+    zenoh_module,
+)
 from mavstack.errors import LinkError, MissingExtraError
 from tests.bridges.ros2.running import free_port
 
@@ -25,6 +33,38 @@ def test_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "zenoh", None)
     with pytest.raises(MissingExtraError, match=r"mavstack\[zenoh\]"):
         zenoh_module("a fleet over Zenoh")
+
+
+class Info:
+    """The information of a session: its listener of connections."""
+
+    def __init__(self) -> None:
+        self.listeners: list[Any] = []
+
+    def declare_transport_events_listener(self, callback: Any, history: bool) -> Any:
+        self.listeners.append(callback)
+        return SimpleNamespace(undeclare=lambda: self.listeners.remove(callback))
+
+
+def test_a_lost_router_is_reported_until_the_session_closes(caplog: pytest.LogCaptureFixture) -> None:
+    handlers = SimpleNamespace(Callback=lambda callback, indirect: callback)
+    zenoh = SimpleNamespace(SampleKind=SimpleNamespace(PUT=0, DELETE=1), handlers=handlers)
+    info = Info()
+    reports = RouterReports(zenoh, SimpleNamespace(info=info), ("tcp/a:7447",))
+    (listener,) = info.listeners
+    for kind in (0, 1, 0, 0):  # connected, lost, back, and a second connection
+        listener(SimpleNamespace(kind=kind))
+    lost, back = caplog.messages
+    assert lost == "the Zenoh router tcp/a:7447 is lost; samples are lost until it is back"
+    assert back.startswith("the Zenoh router tcp/a:7447 is back after 0.")
+    reports.end()
+    reports.end()
+    assert info.listeners == []
+
+
+def test_an_older_zenoh_reports_no_routers() -> None:
+    zenoh = SimpleNamespace(SampleKind=SimpleNamespace(PUT=0))
+    RouterReports(zenoh, SimpleNamespace(info=SimpleNamespace()), ("tcp/a:7447",)).end()
 
 
 @pytest.mark.interop

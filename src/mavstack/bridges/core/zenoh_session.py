@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,6 +18,7 @@ from mavstack.errors import LinkError, MissingExtraError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+logger = logging.getLogger("mavstack.bridges")
 DEFAULT_ROUTER: Final = "tcp/127.0.0.1:7447"
 #: Seconds in which the router must answer.
 OPEN_TIMEOUT: Final = 5.0
@@ -109,6 +112,43 @@ async def open_session(zenoh: Any, options: SessionOptions) -> Any:
             f"connecting to the Zenoh router {where} failed: {reason}; {_START_ROUTER}, or name it with "
             "--connect"
         ) from None
+
+
+class RouterReports:
+    """Warnings when the router of a session is lost and when it is back: all samples between are lost.
+
+    A router is lost too when this program, or the router, did not run for the time of a lease.
+
+    Args:
+        zenoh: The library.
+        session: The open session.
+        routers: The endpoints of its routers, for the warnings.
+    """
+
+    def __init__(self, zenoh: Any, session: Any, routers: tuple[str, ...]) -> None:
+        self._put = zenoh.SampleKind.PUT
+        self._where = ", ".join(routers)
+        self._lost_at: float | None = None
+        self._listener: Any = None
+        listen = getattr(session.info, "declare_transport_events_listener", None)
+        if listen is not None:  # Zenoh from 1.10 on
+            self._listener = listen(direct(zenoh, lambda event: self.receive(event.kind)), history=False)
+
+    def receive(self, kind: Any) -> None:
+        """Report that a connection exists or is gone; called in a thread of Zenoh."""
+        now = time.monotonic()
+        if kind != self._put:
+            self._lost_at = now
+            logger.warning("the Zenoh router %s is lost; samples are lost until it is back", self._where)
+        elif self._lost_at is not None:
+            logger.warning("the Zenoh router %s is back after %.1f s", self._where, now - self._lost_at)
+            self._lost_at = None
+
+    def end(self) -> None:
+        """Report no more: the session is about to close. Idempotent."""
+        listener, self._listener = self._listener, None
+        if listener is not None:
+            listener.undeclare()
 
 
 async def close_session(session: Any) -> None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.bridges.core.qos import SERVICES
 from mavstack.bridges.core.sink import Handoff
 from mavstack.bridges.core.zenoh_session import (
+    RouterReports,
     SessionOptions,
     close_session,
     direct,
@@ -86,6 +87,7 @@ class ZenohSink:
         self._matches: Handoff[tuple[_TopicPublisher, bool]] = Handoff(loop, _set_matching)
         self._outgoing = PutQueue(loop.call_soon)
         self._session = await open_session(self._zenoh, self._options)
+        self._reports = RouterReports(self._zenoh, self._session, self._options.routers)
         self._session_id = str(self._session.info.zid())
 
     async def close(self) -> None:
@@ -96,6 +98,7 @@ class ZenohSink:
         session, self._session = self._session, None
         if session is not None:
             self._outgoing.clear()
+            self._reports.end()
         self._kept.clear()
         if session is not None:
             await close_session(session)

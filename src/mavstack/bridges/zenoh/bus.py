@@ -8,7 +8,13 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.bridges.core.sink import Handoff
-from mavstack.bridges.core.zenoh_session import close_session, direct, open_session, zenoh_module
+from mavstack.bridges.core.zenoh_session import (
+    RouterReports,
+    close_session,
+    direct,
+    open_session,
+    zenoh_module,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -48,6 +54,7 @@ class Bus:
             asyncio.get_running_loop(), _call, MAX_WAITING
         )
         self._session = await open_session(self.zenoh, self._options)
+        self._reports = RouterReports(self.zenoh, self._session, self._options.routers)
 
     async def close(self) -> None:
         """Disconnect. Idempotent."""
@@ -56,6 +63,7 @@ class Bus:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         session, self._session = self._session, None
         if session is not None:
+            self._reports.end()
             await close_session(session)
 
     @property
