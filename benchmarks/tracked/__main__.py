@@ -60,6 +60,16 @@ def _over_udp(parts: list[Part], sent: list[list[Batch]]) -> dict[str, float]:
     return figures
 
 
+def _from_first(sent: list[Batch], rate: int) -> dict[str, float]:
+    with _start("first") as receiver, apart(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.connect(("127.0.0.1", int(_line(receiver))))
+        _command(receiver)
+        _send(sent, rate, sock)
+        _command(receiver)
+        figures: dict[str, float] = json.loads(_line(receiver))
+    return figures
+
+
 def _send(sent: list[Batch], rate: int, sock: socket.socket) -> None:
     began = time.perf_counter()
     for number, batch in enumerate(sent):
@@ -89,8 +99,9 @@ def main() -> None:
     parts = [FIRST, Part(SECONDS, options.rate)]
     sent = [batches(datagrams) for datagrams in packets(*parts)]
     print("packets from  packets/s  min … max  CPU µs  lost  dropped")
-    _print("memory", [_from_memory() for _ in range(options.turns)])
-    _print("UDP   ", [_over_udp(parts, sent) for _ in range(options.turns)])
+    _print("memory    ", [_from_memory() for _ in range(options.turns)])
+    _print("UDP       ", [_over_udp(parts, sent) for _ in range(options.turns)])
+    _print("UDP, first", [_from_first(sent[1], options.rate) for _ in range(options.turns)])
     print(f"machine  {machine()}\nload     {os.getloadavg()[0]:.2f}")
 
 

@@ -2,9 +2,11 @@
 
     python -m benchmarks.tracked.receiver memory RATE
     python -m benchmarks.tracked.receiver udp
+    python -m benchmarks.tracked.receiver first
 
 From memory it writes the packets to a link of its own process, in chunks. Over UDP it prints its port; a line
-on its input begins the measurement, the next one ends it.
+on its input begins the measurement, the next one ends it: `first` measures from the first packet, when nothing
+is known about the vehicle, `udp` from the moment when it was found.
 """
 
 from __future__ import annotations
@@ -106,19 +108,27 @@ async def _write(chunks: list[bytes], write: Callable[[bytes], object]) -> None:
         await asyncio.sleep(0)
 
 
-async def _over_udp() -> None:
-    loop = asyncio.get_running_loop()
+async def _over_udp(is_from_first: bool) -> None:
     async with connect("udpin://127.0.0.1:0") as connection:
         address = connection.links[0].address
         assert address is not None
         print(address[1], flush=True)
-        await connection.wait_for_vehicle(timeout=30.0)
-        follower = _Follower(connection)
-        await loop.run_in_executor(None, sys.stdin.readline)
+        follower = None if is_from_first else await _found(connection)
+        await _line()
         before, cpu, at = _packets(connection), time.process_time(), time.perf_counter()
-        await loop.run_in_executor(None, sys.stdin.readline)
+        follower = follower or await _found(connection)
+        await _line()
         seconds, cpu = time.perf_counter() - at, time.process_time() - cpu
         follower.report(_packets(connection) - before, seconds, cpu)
+
+
+async def _found(connection: Connection) -> _Follower:
+    await connection.wait_for_vehicle(timeout=30.0)
+    return _Follower(connection)
+
+
+async def _line() -> None:
+    await asyncio.get_running_loop().run_in_executor(None, sys.stdin.readline)
 
 
 if __name__ == "__main__":
@@ -127,4 +137,4 @@ if __name__ == "__main__":
     if sys.argv[1] == "memory":
         asyncio.run(_from_memory(int(sys.argv[2])))
     else:
-        asyncio.run(_over_udp())
+        asyncio.run(_over_udp(sys.argv[1] == "first"))
