@@ -5,8 +5,8 @@
     python -m benchmarks.tracked.receiver first
 
 From memory it writes the packets to a link of its own process, in chunks. Over UDP it prints its port; a line
-on its input begins the measurement, the next one ends it: `first` measures from the first packet, when nothing
-is known about the vehicle, `udp` from the moment when it was found.
+on its input begins the measurement, the next one ends it. With `first` the vehicle is not known when
+the measurement begins, with `udp` it was found.
 """
 
 from __future__ import annotations
