@@ -1296,7 +1296,7 @@ class Intake:
         """
 
     def attach(self, channel: int, socket: int, address: tuple[Any, ...], parser: Parser) -> bool:
-        """Parse the datagrams of a peer from now on, unless some of them wait for the program.
+        """Parse the datagrams of a peer, from the oldest of those that wait for the program.
 
         Args:
             channel: The number of the channel, chosen by the program.
@@ -1305,7 +1305,7 @@ class Intake:
             parser: The parser of the channel, which both use.
 
         Returns:
-            False if its datagrams go on to the program.
+            False if the host is not an IP address: its datagrams go on to the program.
         """
 
     def attach_fed(self, channel: int, parser: Parser) -> None:
@@ -1349,7 +1349,7 @@ class Intake:
         """
 
     def grant(self, channel: int, source: tuple[int, int]) -> bool:
-        """Let packets of a source on a channel be kept from the program.
+        """Let packets of a source on a channel be kept from the program, from the oldest one that waits for it.
 
         Args:
             channel: The number of the channel.
@@ -1359,14 +1359,15 @@ class Intake:
             False if the intake does not parse that channel.
         """
 
-    def revoke(self, source: tuple[int, int]) -> list[tuple[int, float]]:
+    def revoke(self, source: tuple[int, int]) -> list[tuple[int, float, tuple[int, float] | None]]:
         """Give every packet of a source to the program again.
 
         Args:
             source: System and component id.
 
         Returns:
-            The channels on which it was granted, with the times of its last packets; 0: none.
+            The channels on which it was granted, with the times of its last packets, 0: none, and with its last
+            expected boot times as `boot` returns them.
         """
 
     def revoke_all(self) -> None:
@@ -1381,8 +1382,17 @@ class Intake:
             boot: The boot time in milliseconds, and the time of its packet; None takes it back.
         """
 
-    def sources(self) -> list[tuple[int, tuple[int, int], float, float]]:
-        """Return the granted sources: channel, source, time of the last packet, time of the last expected boot time or 0."""
+    def boot(self, channel: int, source: tuple[int, int]) -> tuple[int, float] | None:
+        """Return the last expected boot time of a granted source, in milliseconds, and the time of its packet; None if
+        none is expected.
+
+        Args:
+            channel: The number of the channel.
+            source: System and component id.
+        """
+
+    def sources(self) -> list[tuple[int, tuple[int, int], float, tuple[int, float] | None]]:
+        """Return the granted sources: channel, source, time of the last packet or 0, and what `boot` returns."""
 
     def decide(
         self,

@@ -5,6 +5,7 @@ import socket
 import sys
 from contextlib import asynccontextmanager
 from time import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -82,6 +83,21 @@ class TestUdpinReadNatively(TestUdpin):
             finally:
                 asyncio.get_running_loop().remove_reader(descriptor)
                 intake.stop()
+
+
+async def test_a_link_that_is_to_return_its_socket_handles_what_it_read_and_reads_no_more():
+    async with open_link("udpin://127.0.0.1:0") as link:
+        peer, returns = UdpPeer(link.address), []
+        await peer.send(b"newer")
+        link._native = SimpleNamespace(
+            is_due=True, handled=lambda: returns.append(len(link._backlog)), stop=lambda: None
+        )
+        link._backlog.add((b"older", ("127.0.0.1", 9), 0.0), known=False)
+        link._readable(link._socket)
+        assert len(link._backlog) == 1
+        link._handle_backlog()
+        assert returns == [0]
+        await peer.close()
 
 
 async def test_the_socket_reader_calls_the_callback_in_order():

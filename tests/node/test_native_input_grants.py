@@ -7,8 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
+import mavstack
 from mavstack.dialects import common
-from tests.node.test_native_input import flush, granted, native, vehicle_on
+from mavstack.node.native_runs import Taken
+from tests.node.test_native_input import DIALECT, flush, granted, native, vehicle_on
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
 
@@ -51,3 +53,62 @@ async def test_a_change_while_packets_are_handled_applies_to_those_that_were_rea
             for _ in range(3):
                 part._take()
         assert checked == [True, False, True]
+
+
+async def test_a_channel_is_attached_when_everything_that_was_taken_of_it_was_handled():
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        part = native(node)
+        (number,) = part._attached
+        part._detach(number, waits=True)
+        attached = []
+        for _ in range(2):
+            part._taken.calls.append(lambda: (part.settle(), attached.append(len(part._attached))))
+        part.settle()
+        part._taken.handle()
+        assert attached == [0, 0]
+        part.settle()
+        assert part._attached
+
+
+async def test_a_call_of_what_was_taken_that_handles_the_rest_comes_before_it():
+    taken, calls = Taken(), []
+
+    def first() -> None:
+        taken.handle()
+        calls.append("first")
+        taken.calls.append(lambda: calls.append("third"))
+
+    taken.afterwards.append(lambda: calls.append("last"))
+    taken.calls += [first, lambda: calls.append("second")]
+    assert not taken.is_handled
+    taken.handle()
+    assert calls == ["first", "second", "third", "last"]
+    assert taken.is_handled
+
+
+async def test_what_follows_a_call_that_fails_is_handled_the_next_time():
+    taken, calls = Taken(), []
+    taken.calls += [lambda: calls.append(1 / 0), lambda: calls.append("second")]
+    with pytest.raises(ZeroDivisionError):
+        taken.handle()
+    assert not taken.is_handled
+    taken.handle()
+    assert calls == ["second"]
+
+
+async def test_a_source_is_granted_after_all_packets_that_were_taken_with_its_first_ones(monkeypatch):
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        part, calls = native(node), []
+        (number,) = part._attached
+        (packet,) = mavstack.Parser(DIALECT).feed(mavstack.encode(common.VfrHud(), system=1, component=1))
+        runs = [(number, [packet], [], False)] * 2
+        intake = SimpleNamespace(
+            take=lambda: (runs, (), (), (), part._is_direct), grant=lambda *_: calls.append("grant")
+        )
+        with monkeypatch.context() as patch:
+            patch.setattr(part, "_deliver", lambda run: calls.append("deliver"))
+            patch.setattr(part, "_intake", intake)
+            part._take()
+        assert calls == ["deliver", "deliver", "grant", "grant"]

@@ -5,14 +5,8 @@ use crate::messages::KeyMap;
 use mavstack_core::parser::Parser;
 use std::sync::{Arc, Mutex};
 
-/// Seconds of which the first packet with an expected boot time is passed on, so that the program sees every sender.
-pub const INTERVAL: f64 = 0.5;
-/// Returns the time from which the next packet is passed on after one at `now`: those of all sources and messages come
-/// together, in one wake-up of the program.
-#[must_use]
-pub fn next_due(now: f64) -> f64 {
-    ((now / INTERVAL).floor() + 1.0) * INTERVAL
-}
+/// Seconds after which the expected boot time follows the clock of the vehicle.
+const INTERVAL: f64 = 0.5;
 
 /// Seconds by which a boot time may deviate.
 const TOLERANCE: f64 = 1.0;
@@ -24,15 +18,16 @@ pub type SharedParser = Arc<Mutex<Parser>>;
 #[derive(Clone, Copy, Debug)]
 pub struct Boot {
     offset: f64,
-    expires_at: f64,
-    /// Time of the last packet that was expected.
+    follows_at: f64,
+    /// Boot time and arrival of the last packet that was expected.
+    pub boot_ms: u32,
     pub seen_at: f64,
 }
 
 impl Boot {
     #[must_use]
     pub fn new(boot_ms: u32, now: f64) -> Self {
-        Self { offset: f64::from(boot_ms) / 1000.0 - now, expires_at: next_due(now), seen_at: now }
+        Self { offset: f64::from(boot_ms) / 1000.0 - now, follows_at: now + INTERVAL, boot_ms, seen_at: now }
     }
 
     /// Compares the boot time of a packet with those before, and notes its arrival if it continues them.
@@ -41,12 +36,11 @@ impl Boot {
         if deviation.abs() >= TOLERANCE {
             return Continuity::Deviates;
         }
-        self.seen_at = now;
-        if now < self.expires_at {
-            return Continuity::Continues;
+        (self.boot_ms, self.seen_at) = (boot_ms, now);
+        if now >= self.follows_at {
+            *self = Self::new(boot_ms, now);
         }
-        self.expires_at = next_due(now);
-        Continuity::IsDue
+        Continuity::Continues
     }
 }
 
@@ -58,8 +52,6 @@ pub struct Source {
     pub boot: Option<Boot>,
     pub position: Option<Position>,
     pub heading: Option<Heading>,
-    /// Time from which the program gets a position in any case.
-    pub position_due: f64,
 }
 
 /// The bytes and packets that were received on a channel since the last look.

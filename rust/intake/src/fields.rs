@@ -3,7 +3,7 @@
 //! The tolerances are less than those of the program (`mavstack.services.heartbeat`), which gets every packet that
 //! exceeds them, and thus misses no contradiction.
 
-use crate::channel::{Source, next_due};
+use crate::channel::Source;
 use mavstack_core::parser::Packet;
 use std::collections::HashMap;
 
@@ -11,8 +11,6 @@ use std::collections::HashMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Continuity {
     Continues,
-    /// It does, but it is the first one of an interval: the program sees every sender.
-    IsDue,
     Deviates,
 }
 
@@ -107,7 +105,7 @@ impl Fields {
         };
         let boot_ms = u32::from_le_bytes(bytes_at(packet, offset));
         let state = if id == self.position.message_id {
-            self.compare_position(source, packet, boot_ms, now)
+            self.compare_position(source, packet, boot_ms)
         } else if id == self.heading.message_id {
             self.compare_heading(source, packet, boot_ms)
         } else {
@@ -117,15 +115,11 @@ impl Fields {
         boot.max(state)
     }
 
-    fn compare_position(&self, source: &mut Source, packet: &Packet<'_>, boot_ms: u32, now: f64) -> Continuity {
+    fn compare_position(&self, source: &mut Source, packet: &Packet<'_>, boot_ms: u32) -> Continuity {
         let position = self.position_of(packet, boot_ms);
         let before = source.position.replace(position);
         let is_near = before.is_some_and(|before| position.continues(&before));
-        if is_near && now < source.position_due {
-            return Continuity::Continues;
-        }
-        source.position_due = next_due(now);
-        if is_near { Continuity::IsDue } else { Continuity::Deviates }
+        if is_near { Continuity::Continues } else { Continuity::Deviates }
     }
 
     fn compare_heading(&self, source: &mut Source, packet: &Packet<'_>, boot_ms: u32) -> Continuity {

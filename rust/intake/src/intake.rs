@@ -3,9 +3,11 @@
 use crate::channel::{Activity, Boot, Channel, SharedParser, Source};
 use crate::fields::{Continuity, Fields};
 use crate::messages::{Interest, KeyMap, Messages};
-use crate::queue::{Queue, Takers, Urgency};
+use crate::queue::{Item, PacketRun, Queue, Takers, Urgency};
 use mavstack_core::layout::Dialect;
+use mavstack_core::parser::Packet;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::{Arc, PoisonError};
 
@@ -83,44 +85,36 @@ impl Intake {
             count += 1;
             let header = packet.header;
             let granted = sources.get_mut(&(header.system, header.component)).filter(|_| !header.signed());
-            let Some(source) = granted else {
-                return queue.push_whole(number, &packet, now);
-            };
-            source.heard_at = now;
-            let decision = messages.keep(&packet, now);
-            let urgency = match decision.interest {
-                Interest::Nothing => Urgency::None,
-                Interest::NewBoot => match fields.compare(source, &packet, now) {
-                    Continuity::Continues => Urgency::None,
-                    Continuity::IsDue => Urgency::Lazy,
-                    Continuity::Deviates => Urgency::Prompt,
-                },
-                Interest::Soon => Urgency::Soon,
-                Interest::Unknown => {
-                    messages.ask((header.system, header.component), header.message_id);
-                    Urgency::Now
-                }
-                Interest::Asked | Interest::Now => Urgency::Now,
-            };
-            let is_listened = decision.is_listened || decision.interest == Interest::Unknown;
-            let takers = Takers { engine: urgency > Urgency::None, listeners: is_listened };
-            if takers.engine || takers.listeners {
-                let urgency = if is_listened { urgency.max(Urgency::Prompt) } else { urgency };
-                queue.push_kept(number, &packet, takers, urgency, now);
+            match granted {
+                Some(source) => Judge { fields, messages, queue }.judge(number, source, &packet, now),
+                None => queue.push_whole(number, &packet, now),
             }
         });
         count
     }
 
-    /// Lets the intake parse what a sender sends, unless datagrams of it wait for the program; returns whether it does.
-    pub fn attach(&mut self, channel: u32, socket: u32, peer: Peer, parser: SharedParser) -> bool {
-        if self.queue.has_datagrams_of(socket, |address| peer.is_sender(address)) {
-            return false;
-        }
+    /// Lets the intake parse what a sender sends, from the oldest of its datagrams that wait for the program.
+    pub fn attach(&mut self, channel: u32, socket: u32, peer: Peer, parser: SharedParser) {
         self.peers.insert((socket, peer), channel);
         self.last = None;
-        self.channels.insert(channel, Channel { parser, sources: KeyMap::default(), activity: Activity::default() });
-        true
+        self.attach_fed(channel, parser);
+        let is_of_peer =
+            |item: &Item| matches!(item, Item::Datagrams(one) if one.socket == socket && peer.is_sender(one.address));
+        for item in self.queue.remove_all(is_of_peer) {
+            match item {
+                Item::Datagrams(one) if one.socket == socket && peer.is_sender(one.address) => {
+                    self.read(channel, &one.data, one.at);
+                    self.count_datagrams(channel, one.count - 1);
+                }
+                other => self.queue.restore(other),
+            }
+        }
+    }
+
+    fn count_datagrams(&mut self, channel: u32, count: usize) {
+        if let Some(known) = self.channels.get_mut(&channel) {
+            known.activity.datagrams += count as u64;
+        }
     }
 
     /// Lets the intake parse what `feed` or `read` give it, which come from a stream.
@@ -151,16 +145,57 @@ impl Intake {
         self.channels.get_mut(&channel).map(|known| std::mem::take(&mut known.activity)).unwrap_or_default()
     }
 
-    /// Lets packets of a source on a channel be kept from the program.
+    /// Lets packets of a source on a channel be kept from the program, from the oldest one that waits for it.
     pub fn grant(&mut self, channel: u32, source: (u8, u8)) -> bool {
-        let known = self.channels.get_mut(&channel);
-        known.map(|known| known.sources.entry(source).or_default()).is_some()
+        let Some(known) = self.channels.get_mut(&channel) else {
+            return false;
+        };
+        if let Entry::Vacant(entry) = known.sources.entry(source) {
+            entry.insert(Source::default());
+            let is_whole = |item: &Item| matches!(item, Item::Packets(run) if !run.is_kept && run.channel == channel);
+            for item in self.queue.remove_all(is_whole) {
+                match item {
+                    Item::Packets(run) if !run.is_kept && run.channel == channel => self.sift(&run, source),
+                    other => self.queue.restore(other),
+                }
+            }
+        }
+        true
     }
 
-    /// Gives every packet of a source to the program again; returns the channels with the times when it was heard.
-    pub fn revoke(&mut self, source: (u8, u8)) -> Vec<(u32, f64)> {
+    /// Keeps the packets of a source, which was granted now, in a run of packets that were not kept.
+    fn sift(&mut self, run: &PacketRun, source: (u8, u8)) {
+        let Self { channels, messages, queue, fields, .. } = self;
+        let mut state = channels.get_mut(&run.channel).and_then(|known| known.sources.get_mut(&source));
+        for (packet, _) in run.packets() {
+            let header = packet.header;
+            let is_granted = (header.system, header.component) == source && !header.signed();
+            match state.as_mut().filter(|_| is_granted) {
+                Some(state) => Judge { fields, messages, queue }.judge(run.channel, state, &packet, run.at),
+                None => queue.push_whole(run.channel, &packet, run.at),
+            }
+        }
+    }
+
+    /// Drops the packets that wait although the program decided meanwhile that no part of it takes them.
+    pub fn drop_unwanted(&mut self) {
+        let Self { messages, queue, .. } = self;
+        for item in queue.remove_all(|item| matches!(item, Item::Packets(run) if run.is_kept)) {
+            match item {
+                Item::Packets(run) if run.is_kept => {
+                    for (packet, takers) in run.packets().filter(|(packet, _)| !messages.is_unwanted(&packet.header)) {
+                        queue.push_kept(run.channel, &packet, takers, Urgency::Prompt, run.at);
+                    }
+                }
+                other => queue.restore(other),
+            }
+        }
+    }
+
+    /// Gives every packet of a source to the program again; returns its states on the channels.
+    pub fn revoke(&mut self, source: (u8, u8)) -> Vec<(u32, Source)> {
         let channels = self.channels.iter_mut();
-        channels.filter_map(|(&number, known)| Some((number, known.sources.remove(&source)?.heard_at))).collect()
+        channels.filter_map(|(&number, known)| Some((number, known.sources.remove(&source)?))).collect()
     }
 
     /// Gives every packet to the program again.
@@ -175,11 +210,53 @@ impl Intake {
         }
     }
 
+    /// Returns the boot time that the next packets of a source on a channel will have.
+    #[must_use]
+    pub fn boot(&self, channel: u32, source: (u8, u8)) -> Option<Boot> {
+        self.channels.get(&channel)?.sources.get(&source)?.boot
+    }
+
     /// The granted sources of all channels.
     pub fn sources(&self) -> impl Iterator<Item = (u32, (u8, u8), Source)> {
         let of_channel = |(&number, known): (&u32, &Channel)| {
             known.sources.iter().map(move |(&source, &state)| (number, source, state)).collect::<Vec<_>>()
         };
         self.channels.iter().flat_map(of_channel)
+    }
+}
+
+/// The parts of an intake that decide about a packet of a granted source.
+struct Judge<'a> {
+    fields: &'a Fields,
+    messages: &'a mut Messages,
+    queue: &'a mut Queue,
+}
+
+impl Judge<'_> {
+    /// Keeps a packet, and queues it if a part of the program takes it.
+    #[inline]
+    fn judge(self, channel: u32, source: &mut Source, packet: &Packet<'_>, now: f64) {
+        let header = packet.header;
+        source.heard_at = now;
+        let decision = self.messages.keep(packet, now);
+        let urgency = match decision.interest {
+            Interest::Nothing => Urgency::None,
+            Interest::NewBoot => match self.fields.compare(source, packet, now) {
+                Continuity::Continues => Urgency::None,
+                Continuity::Deviates => Urgency::Prompt,
+            },
+            Interest::Soon => Urgency::Soon,
+            Interest::Unknown => {
+                self.messages.ask((header.system, header.component), header.message_id);
+                Urgency::Now
+            }
+            Interest::Asked | Interest::Now => Urgency::Now,
+        };
+        let is_listened = decision.is_listened || decision.interest == Interest::Unknown;
+        let takers = Takers { engine: urgency > Urgency::None, listeners: is_listened };
+        if takers.engine || takers.listeners {
+            let urgency = if is_listened { urgency.max(Urgency::Prompt) } else { urgency };
+            self.queue.push_kept(channel, packet, takers, urgency, now);
+        }
     }
 }

@@ -111,11 +111,14 @@ pub struct Messages {
     stored: [usize; 256],
     kept: u64,
     undecided: Vec<((u8, u8), u32)>,
+    /// The program decided since the last call of `take_decided` that no part of it takes some message.
+    has_decided: bool,
 }
 
 impl Default for Messages {
     fn default() -> Self {
-        Self { entries: HashMap::default(), followers: [0; 256], stored: [0; 256], kept: 0, undecided: Vec::new() }
+        let (entries, undecided) = (HashMap::default(), Vec::new());
+        Self { entries, followers: [0; 256], stored: [0; 256], kept: 0, undecided, has_decided: false }
     }
 }
 
@@ -222,10 +225,23 @@ impl Messages {
         std::mem::take(&mut self.undecided)
     }
 
+    /// Returns whether packets that wait may be unwanted.
+    pub fn take_decided(&mut self) -> bool {
+        std::mem::take(&mut self.has_decided)
+    }
+
     /// Decides who takes a message of a source.
     pub fn decide(&mut self, source: (u8, u8), message_id: u32, decision: Decision) {
         self.entries.entry(key(source.0, source.1, message_id)).or_default().decision = decision;
+        self.has_decided |= decision.interest == Interest::Nothing;
         self.bound_entries();
+    }
+
+    /// Returns whether the program decided that no part of it takes the message of a packet.
+    #[must_use]
+    pub fn is_unwanted(&self, header: &Header) -> bool {
+        let known = self.entries.get(&key(header.system, header.component, header.message_id));
+        known.is_some_and(|entry| entry.decision == Decision { interest: Interest::Nothing, is_listened: false })
     }
 
     /// Forgets the decisions about a message (`None`: all messages) of a system (0: all systems).

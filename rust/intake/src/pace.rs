@@ -183,7 +183,7 @@ mod tests {
     fn mode_after(turns_per_second: u32, every: u32) -> Mode {
         let mut pace = Pace::new(0.0);
         for turn in 0..2 * turns_per_second {
-            let urgency = if turn % every == 0 { Urgency::Prompt } else { Urgency::Lazy };
+            let urgency = if turn % every == 0 { Urgency::Prompt } else { Urgency::None };
             pace.note(8, urgency, f64::from(turn) / f64::from(turns_per_second));
             pace.adapt(true);
         }

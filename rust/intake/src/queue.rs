@@ -21,6 +21,8 @@ pub struct PacketRun {
     pub channel: u32,
     /// They were kept as latest packets already.
     pub is_kept: bool,
+    /// Time of arrival of the last one.
+    pub at: f64,
     bytes: Vec<u8>,
     headers: Vec<(Header, Option<u16>, Takers)>,
 }
@@ -79,17 +81,12 @@ impl Item {
 pub enum Urgency {
     #[default]
     None,
-    /// When the program wakes anyway, or after `LAZY_TIME`.
-    Lazy,
     /// After a long rest too.
     Soon,
     /// After a short rest at most: a part of the program handles each packet.
     Prompt,
     Now,
 }
-
-/// Seconds for which packets may wait that only confirm those before.
-pub const LAZY_TIME: f64 = 0.11;
 
 /// The packets and datagrams that wait.
 #[derive(Debug, Default)]
@@ -99,8 +96,6 @@ pub struct Queue {
     pub urgency: Urgency,
     /// The urgency of the packets since the last call of `take_fresh`.
     fresh: Urgency,
-    /// Since when something waits.
-    waits_since: f64,
     /// The program was woken and did not take anything since.
     is_announced: bool,
     /// Sockets that the program must read itself, because it did not keep up.
@@ -137,26 +132,23 @@ impl Queue {
 
     /// Adds a packet that was kept as a latest packet, for those who take it.
     pub fn push_kept(&mut self, channel: u32, packet: &Packet<'_>, takers: Takers, urgency: Urgency, now: f64) {
-        self.note(urgency, now);
-        self.push_packet(channel, packet, true, takers);
+        self.note(1, urgency);
+        self.push_packet(channel, packet, true, takers, now);
     }
 
     /// Adds a packet of which the program must find out who takes it.
     pub fn push_whole(&mut self, channel: u32, packet: &Packet<'_>, now: f64) {
-        self.note(Urgency::Prompt, now);
-        self.push_packet(channel, packet, false, Takers::ALL);
+        self.note(1, Urgency::Prompt);
+        self.push_packet(channel, packet, false, Takers::ALL, now);
     }
 
-    fn note(&mut self, urgency: Urgency, now: f64) {
-        if self.count == 0 {
-            self.waits_since = now;
-        }
-        self.count += 1;
+    fn note(&mut self, count: usize, urgency: Urgency) {
+        self.count += count;
         self.urgency = self.urgency.max(urgency);
         self.fresh = self.fresh.max(urgency);
     }
 
-    fn push_packet(&mut self, channel: u32, packet: &Packet<'_>, is_kept: bool, takers: Takers) {
+    fn push_packet(&mut self, channel: u32, packet: &Packet<'_>, is_kept: bool, takers: Takers, now: f64) {
         let header = (packet.header, packet.slot, takers);
         if let Some(Item::Packets(run)) = self.items.back_mut()
             && (run.channel, run.is_kept) == (channel, is_kept)
@@ -164,14 +156,15 @@ impl Queue {
         {
             run.bytes.extend_from_slice(packet.raw);
             run.headers.push(header);
+            run.at = now;
             return;
         }
         let (bytes, headers) = (packet.raw.to_vec(), vec![header]);
-        self.items.push_back(Item::Packets(PacketRun { channel, is_kept, bytes, headers }));
+        self.items.push_back(Item::Packets(PacketRun { channel, is_kept, at: now, bytes, headers }));
     }
 
     pub fn push_datagram(&mut self, socket: u32, address: SocketAddr, data: &[u8], now: f64) {
-        self.note(Urgency::Prompt, now);
+        self.note(1, Urgency::Prompt);
         if let Some(Item::Datagrams(last)) = self.items.back_mut()
             && (last.socket, last.address) == (socket, address)
             && last.data.len() + data.len() <= MAX_JOINED
@@ -183,12 +176,19 @@ impl Queue {
         self.items.push_back(Item::Datagrams(Datagrams { socket, address, data: data.to_vec(), count: 1, at: now }));
     }
 
-    /// Returns whether datagrams of a sender wait.
-    #[must_use]
-    pub fn has_datagrams_of(&self, socket: u32, is_sender: impl Fn(SocketAddr) -> bool) -> bool {
-        self.items
-            .iter()
-            .any(|item| matches!(item, Item::Datagrams(one) if one.socket == socket && is_sender(one.address)))
+    /// Removes and returns everything that waits, if a part of it is concerned; `restore` puts the rest back.
+    pub fn remove_all(&mut self, is_concerned: impl Fn(&Item) -> bool) -> VecDeque<Item> {
+        if !self.items.iter().any(is_concerned) {
+            return VecDeque::new();
+        }
+        self.count = 0;
+        std::mem::take(&mut self.items)
+    }
+
+    /// Puts an item that was removed to the end.
+    pub fn restore(&mut self, item: Item) {
+        self.count += item.count();
+        self.items.push_back(item);
     }
 
     /// Notes that a socket is read no more.
@@ -208,16 +208,9 @@ impl Queue {
         std::mem::take(&mut self.fresh)
     }
 
-    /// Returns whether packets wait that only confirm those before.
-    #[must_use]
-    pub fn is_lazy(&self) -> bool {
-        self.urgency == Urgency::Lazy
-    }
-
-    /// Returns whether the program must be woken now; if it is awake, for everything that waits.
-    pub fn announce(&mut self, now: f64, is_awake: bool) -> bool {
-        let threshold = if is_awake || now >= self.waits_since + LAZY_TIME { Urgency::Lazy } else { Urgency::Soon };
-        self.urgency >= threshold && !std::mem::replace(&mut self.is_announced, true)
+    /// Returns whether the program must be woken now.
+    pub fn announce(&mut self) -> bool {
+        self.urgency > Urgency::None && !std::mem::replace(&mut self.is_announced, true)
     }
 
     /// Removes and returns the first of what waits, and the sockets and streams that are read no more.
@@ -231,13 +224,14 @@ impl Queue {
         }
         self.count -= count;
         self.is_announced = self.is_waiting();
-        let mut ended = Vec::new();
+        let (mut overloaded, mut ended) = (Vec::new(), Vec::new());
         if !self.is_announced {
             self.urgency = Urgency::None;
-            ended = std::mem::take(&mut self.ended);
+            // After the last packet: what the program reads itself from then on is newer.
+            (overloaded, ended) = (std::mem::take(&mut self.overloaded), std::mem::take(&mut self.ended));
         }
         let had_blocked = std::mem::take(&mut self.has_blocked);
-        Taken { items, overloaded: std::mem::take(&mut self.overloaded), ended, had_blocked }
+        Taken { items, overloaded, ended, had_blocked }
     }
 
     /// Drops everything that waits.

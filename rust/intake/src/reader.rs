@@ -67,9 +67,9 @@ impl Shared {
     }
 
     /// Wakes the program if something waits for it that must not wait longer.
-    fn announce(&self, is_awake: bool) {
+    fn announce(&self) {
         let calls_program = lock(&self.sockets).pace.calls_program();
-        if lock(&self.intake).queue.announce(self.now(), is_awake) || calls_program {
+        if lock(&self.intake).queue.announce() || calls_program {
             self.notifier.set();
         }
     }
@@ -181,7 +181,7 @@ impl Reader {
         if self.shared.is_in(Mode::Resting) && is_stale() {
             self.shared.read(Scope::All);
             self.shared.adapt(false);
-            self.shared.announce(true);
+            self.shared.announce();
         }
     }
 
@@ -254,17 +254,13 @@ impl Worker {
             std::thread::sleep(rest);
             self.shared.read(Scope::All);
         }
-        self.shared.announce(false);
+        self.shared.announce();
         true
     }
 
     /// Returns how long to wait for a datagram.
     fn poll_timeout(&self) -> Option<Duration> {
-        if lock(&self.shared.sockets).has_ready() {
-            return Some(Duration::ZERO);
-        }
-        let is_lazy = lock(&self.shared.intake).queue.is_lazy();
-        is_lazy.then(|| Duration::from_secs_f64(crate::queue::LAZY_TIME))
+        lock(&self.shared.sockets).has_ready().then_some(Duration::ZERO)
     }
 
     fn rest(&self, urgency: Urgency) -> Duration {
@@ -277,7 +273,7 @@ impl Worker {
         std::thread::park_timeout(self.rest_left());
         if self.rest_left() < SOON {
             while self.shared.read(Scope::All).is_cut {}
-            self.shared.announce(false);
+            self.shared.announce();
         }
     }
 

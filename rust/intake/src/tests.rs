@@ -1,6 +1,6 @@
 //! The decisions about packets, without sockets; and the thread over real ones.
 
-use crate::channel::{Boot, INTERVAL, SharedParser};
+use crate::channel::{Boot, SharedParser};
 use crate::fields::{Fields, HeadingFields, PositionFields};
 use crate::intake::{Intake, Peer};
 use crate::messages::{Decision, Interest, MAX_STORED};
@@ -85,7 +85,7 @@ fn address(port: u16) -> SocketAddr {
 /// An intake that parses channel 1, from port 9 of socket 0.
 fn attached() -> Intake {
     let mut intake = intake();
-    assert!(intake.attach(1, 0, Peer::Address(address(9)), parser()));
+    intake.attach(1, 0, Peer::Address(address(9)), parser());
     intake
 }
 
@@ -132,19 +132,93 @@ fn packets_of_a_granted_source_that_are_not_wanted_are_only_kept() {
     intake.messages.forget_interest(Some(HEARTBEAT), 0);
     intake.receive(0, address(9), &heartbeat(), 4.0);
     assert_eq!(taken(&mut intake), (1, 0, 0), "the program decides again");
-    assert_eq!(intake.revoke(SOURCE), [(1, 4.0)]);
+    let heard: Vec<_> = intake.revoke(SOURCE).into_iter().map(|(channel, state)| (channel, state.heard_at)).collect();
+    assert_eq!(heard, [(1, 4.0)]);
     intake.receive(0, address(9), &heartbeat(), 5.0);
     assert_eq!(taken(&mut intake), (0, 1, 0));
 }
 
+/// Returns the boot times of the packets that wait, or the counts of datagrams, in order.
+fn waiting(intake: &mut Intake) -> Vec<u32> {
+    let mut found = Vec::new();
+    for item in intake.queue.take().items {
+        match item {
+            Item::Packets(run) => found.extend(run.packets().map(|(packet, _)| boot_ms_of(packet.payload()))),
+            Item::Datagrams(datagrams) => found.push(datagrams.count as u32),
+        }
+    }
+    found
+}
+
+fn boot_ms_of(payload: &[u8]) -> u32 {
+    u32::from_le_bytes(std::array::from_fn(|index| payload.get(index).copied().unwrap_or(0)))
+}
+
 #[test]
-fn a_channel_is_not_attached_while_datagrams_of_its_peer_wait() {
+fn datagrams_that_wait_are_parsed_in_their_place_when_their_channel_is_attached() {
     let mut intake = intake();
-    intake.receive(0, address(9), &heartbeat(), 1.0);
-    assert!(intake.attach(2, 0, Peer::Address(address(8)), parser()));
-    assert!(!intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
-    intake.queue.take();
-    assert!(intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
+    for step in 0..200_u32 {
+        intake.receive(0, address(9), &position(1000 + step, 47.0), 1.0 + f64::from(step));
+        if step % 100 == 99 {
+            intake.receive(0, address(8), &heartbeat(), 1.0);
+        }
+    }
+    intake.attach(1, 0, Peer::Address(address(9)), parser());
+    intake.receive(0, address(9), &position(1200, 47.0), 300.0);
+    let activity = intake.take_activity(1);
+    assert_eq!((activity.datagrams, activity.valid_at), (201, 300.0));
+    let expected: Vec<u32> = (1000..1100).chain([1]).chain(1100..1200).chain([1, 1200]).collect();
+    assert_eq!(waiting(&mut intake), expected);
+    assert!(!intake.queue.is_waiting());
+}
+
+#[test]
+fn packets_that_wait_are_kept_when_their_source_is_granted_and_dropped_when_nobody_takes_them() {
+    let mut intake = attached();
+    intake.messages.follow(SOURCE.0);
+    let other = packet(HEARTBEAT, &[0, 0, 0, 0, 2, 3, 81, 3, 3], (8, 1));
+    for step in 0..300_u32 {
+        intake.receive(0, address(9), &position(1000 + step, 47.0), 1.0);
+        if step % 100 == 99 {
+            intake.receive(0, address(9), &other, 1.0);
+        }
+    }
+    assert!(intake.grant(1, SOURCE));
+    intake.receive(0, address(9), &position(1300, 47.0), 2.0);
+    let latest = |intake: &Intake| intake.messages.latest(SOURCE.0, SOURCE.1, POSITION).map(|latest| latest.at);
+    assert_eq!(latest(&intake), Some(2.0));
+    assert_eq!(intake.messages.take_undecided(), [(SOURCE, POSITION)]);
+    assert!(intake.grant(1, SOURCE), "it is granted");
+    assert!(!intake.messages.take_decided());
+    intake.drop_unwanted();
+    intake.messages.decide(SOURCE, POSITION, decision(Interest::Nothing));
+    assert!(intake.messages.take_decided() && !intake.messages.take_decided());
+    let before = intake.queue.is_waiting();
+    intake.drop_unwanted();
+    assert_eq!((before, taken(&mut intake)), (true, (0, 3, 0)), "those of the other source");
+    assert!(!intake.queue.is_full() && !intake.queue.is_waiting());
+}
+
+#[test]
+fn packets_of_a_granted_source_that_wait_keep_their_order_and_those_that_are_taken_stay() {
+    let mut intake = attached();
+    for step in 0..400_u32 {
+        let one = if step % 2 == 0 { position(step, 47.0) } else { attitude(step, 0.0) };
+        intake.receive(0, address(9), &one, 1.0);
+    }
+    intake.grant(1, SOURCE);
+    intake.receive(0, address(9), &position(400, 47.0), 1.0);
+    intake.messages.decide(SOURCE, ATTITUDE, decision(Interest::Nothing));
+    intake.messages.decide(SOURCE, POSITION, Decision { interest: Interest::Nothing, is_listened: true });
+    intake.drop_unwanted();
+    assert_eq!(waiting(&mut intake), (0..=400).step_by(2).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_host_of_a_channel_may_send_from_any_port() {
+    let mut intake = intake();
+    intake.attach(2, 0, Peer::Address(address(8)), parser());
+    intake.attach(1, 0, Peer::Host(address(9).ip()), parser());
     intake.receive(0, address(7), &heartbeat(), 1.0);
     assert_eq!(taken(&mut intake), (0, 1, 0), "any port of the host");
     let length = heartbeat().len() as u64;
@@ -157,10 +231,10 @@ fn a_channel_is_not_attached_while_datagrams_of_its_peer_wait() {
 #[test]
 fn a_new_channel_of_an_address_gets_its_datagrams_from_the_channel_of_the_host() {
     let mut intake = intake();
-    assert!(intake.attach(1, 0, Peer::Host(address(9).ip()), parser()));
+    intake.attach(1, 0, Peer::Host(address(9).ip()), parser());
     intake.receive(0, address(9), &heartbeat(), 1.0);
     intake.queue.take();
-    assert!(intake.attach(2, 0, Peer::Address(address(9)), parser()));
+    intake.attach(2, 0, Peer::Address(address(9)), parser());
     intake.receive(0, address(9), &heartbeat(), 1.0);
     assert_eq!((intake.detach(1).datagrams, intake.detach(2).datagrams), (1, 1));
 }
@@ -180,31 +254,32 @@ fn passed(packets: impl IntoIterator<Item = (f64, Vec<u8>)>) -> usize {
 }
 
 #[test]
-fn states_that_continue_those_before_come_once_in_an_interval() {
+fn states_that_continue_those_before_do_not_come() {
     let time = |step: u32| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10);
-    let count = passed((0..300).map(time).map(|(now, boot_ms)| (now, position(boot_ms, 47.0))));
-    assert!((6..=14).contains(&count), "{count} in six intervals of {INTERVAL} s");
-    let count = passed((0..300).map(time).map(|(now, boot_ms)| (now, attitude(boot_ms, now as f32 / 3.0))));
-    assert!((5..=7).contains(&count), "{count} in six intervals of {INTERVAL} s");
+    assert_eq!(passed((0..300).map(time).map(|(now, boot_ms)| (now, position(boot_ms, 47.0)))), 1, "the first one");
+    assert_eq!(passed((0..300).map(time).map(|(now, boot_ms)| (now, attitude(boot_ms, now as f32 / 3.0)))), 1);
 }
 
 #[test]
-fn the_states_of_an_interval_come_together() {
-    let time = |step: u32| (1.0 + f64::from(step) * 0.01, 10_000 + step * 10);
+fn the_program_learns_which_boot_time_was_expected_last() {
     let mut intake = attached();
     intake.grant(1, SOURCE);
-    intake.messages.decide(SOURCE, POSITION, decision(Interest::NewBoot));
+    intake.messages.decide(SOURCE, ATTITUDE, decision(Interest::NewBoot));
     intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
-    for (now, boot_ms) in [time(1), time(60)] {
-        intake.receive(0, address(9), &position(boot_ms, 47.0), now);
-    }
-    assert_eq!(taken(&mut intake).0, 2, "boot time and position");
-    for (now, boot_ms) in (61..99).map(time) {
-        intake.receive(0, address(9), &position(boot_ms, 47.0), now);
-    }
-    assert_eq!(taken(&mut intake).0, 0);
-    intake.receive(0, address(9), &position(time(101).1, 47.0), time(101).0);
-    assert_eq!(taken(&mut intake).0, 1);
+    let last = |intake: &Intake| intake.boot(1, SOURCE).map(|boot| (boot.boot_ms, boot.seen_at));
+    intake.receive(0, address(9), &attitude(10_300, 0.0), 1.25);
+    assert_eq!(last(&intake), Some((10_300, 1.25)));
+    intake.receive(0, address(9), &attitude(500, 0.0), 1.5);
+    assert_eq!(last(&intake), Some((10_300, 1.25)), "another boot");
+    assert!(intake.boot(2, SOURCE).is_none() && intake.boot(1, (9, 1)).is_none());
+    let revoked = intake.revoke(SOURCE);
+    assert_eq!(revoked[0].1.boot.map(|boot| boot.boot_ms), Some(10_300));
+}
+
+#[test]
+fn the_expected_boot_time_follows_a_clock_that_is_fast() {
+    let steps = (0..3000_u32).map(|step| (1.0 + f64::from(step) * 0.01, 10_000 + step * 11));
+    assert_eq!(passed(steps.map(|(now, boot_ms)| (now, attitude(boot_ms, 0.0)))), 1, "three seconds ahead in the end");
 }
 
 #[test]
@@ -254,10 +329,7 @@ fn the_program_takes_a_part_of_many_packets_at_once_and_all_in_order() {
         let before = boot_times.len();
         for item in &items {
             let Item::Packets(run) = item else { panic!("no packets") };
-            boot_times.extend(run.packets().map(|(packet, _)| {
-                let bytes: [u8; 4] = std::array::from_fn(|index| packet.payload().get(index).copied().unwrap_or(0));
-                u32::from_le_bytes(bytes)
-            }));
+            boot_times.extend(run.packets().map(|(packet, _)| boot_ms_of(packet.payload())));
         }
         assert!(boot_times.len() - before <= MAX_TAKEN);
         assert_eq!(intake.queue.urgency > Urgency::None, intake.queue.is_waiting());
@@ -277,21 +349,19 @@ fn bytes_that_the_program_reads_are_parsed_across_their_bounds() {
 }
 
 #[test]
-fn packets_that_confirm_others_wait_for_a_moment_unless_the_program_is_awake() {
+fn the_program_is_woken_once_for_what_waits_and_gets_a_socket_after_it() {
     let mut intake = attached();
-    intake.grant(1, SOURCE);
-    intake.messages.decide(SOURCE, POSITION, decision(Interest::NewBoot));
-    intake.expect_boot(1, SOURCE, Some(Boot::new(10_000, 1.0)));
-    intake.receive(0, address(9), &position(10_010, 47.0), 1.01);
-    intake.queue.take();
-    intake.receive(0, address(9), &position(10_900, 47.0), 1.9);
-    assert!(intake.queue.is_lazy());
-    assert!(!intake.queue.announce(1.9, false));
-    assert!(intake.queue.announce(2.02, false));
-    assert!(!intake.queue.announce(2.02, true), "it is announced");
-    intake.queue.take();
-    intake.receive(0, address(9), &position(11_800, 47.0), 2.8);
-    assert!(intake.queue.announce(2.8, true));
+    assert!(!intake.queue.announce(), "nothing waits");
+    for number in 0..1000_u32 {
+        intake.receive(0, address(9), &position(number, 47.0), 1.0);
+    }
+    assert!(intake.queue.announce());
+    assert!(!intake.queue.announce(), "it is announced");
+    intake.queue.overload(0);
+    assert!(intake.queue.take().overloaded.is_empty());
+    assert_eq!(intake.queue.take().overloaded, [0]);
+    intake.receive(0, address(9), &heartbeat(), 1.0);
+    assert!(intake.queue.announce());
 }
 
 #[test]

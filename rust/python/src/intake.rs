@@ -3,7 +3,7 @@
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
 use crate::intake_listeners::Listeners;
-use crate::intake_values::{Run, datagrams, interest, peer, to_activity, to_heading, to_position, to_run};
+use crate::intake_values::{Run, datagrams, interest, peer, to_activity, to_boot, to_heading, to_position, to_run};
 use crate::packet;
 use crate::parser::Parser;
 use crate::router_descriptors::{stream_of, udp_of};
@@ -147,7 +147,7 @@ impl Intake {
         lock(&self.reader).as_ref().is_some_and(|reader| reader.hurry(seconds))
     }
 
-    /// Parse the datagrams of a peer from now on, unless some of them wait for the program.
+    /// Parse the datagrams of a peer, from the oldest of those that wait for the program.
     ///
     /// Args:
     ///     channel: The number of the channel, chosen by the program.
@@ -156,7 +156,7 @@ impl Intake {
     ///     parser: The parser of the channel, which both use.
     ///
     /// Returns:
-    ///     False if its datagrams go on to the program.
+    ///     False if the host is not an IP address: its datagrams go on to the program.
     fn attach(
         &self,
         channel: u32,
@@ -167,7 +167,8 @@ impl Intake {
         let Some(peer) = peer(address)? else {
             return Ok(false);
         };
-        Ok(lock(&self.core).attach(channel, socket, peer, Arc::clone(&parser.core)))
+        lock(&self.core).attach(channel, socket, peer, Arc::clone(&parser.core));
+        Ok(true)
     }
 
     /// Parse what `feed` gives of a channel that the program reads itself.
@@ -214,7 +215,7 @@ impl Intake {
         to_activity(lock(&self.core).take_activity(channel))
     }
 
-    /// Let packets of a source on a channel be kept from the program.
+    /// Let packets of a source on a channel be kept from the program, from the oldest one that waits for it.
     ///
     /// Args:
     ///     channel: The number of the channel.
@@ -232,9 +233,11 @@ impl Intake {
     ///     source: System and component id.
     ///
     /// Returns:
-    ///     The channels on which it was granted, with the times of its last packets; 0: none.
-    fn revoke(&self, source: (u8, u8)) -> Vec<(u32, f64)> {
-        lock(&self.core).revoke(source)
+    ///     The channels on which it was granted, with the times of its last packets, 0: none, and with its last expected
+    ///     boot times as `boot` returns them.
+    fn revoke(&self, source: (u8, u8)) -> Vec<(u32, f64, Option<(u32, f64)>)> {
+        let revoked = lock(&self.core).revoke(source).into_iter();
+        revoked.map(|(channel, state)| (channel, state.heard_at, to_boot(state.boot))).collect()
     }
 
     /// Give every packet to the program again.
@@ -253,11 +256,20 @@ impl Intake {
         lock(&self.core).expect_boot(channel, source, boot);
     }
 
-    /// Return the granted sources: channel, source, time of the last packet, time of the last expected boot time or 0.
-    fn sources(&self) -> Vec<(u32, (u8, u8), f64, f64)> {
+    /// Return the last expected boot time of a granted source, in milliseconds, and the time of its packet; None if none
+    /// is expected.
+    ///
+    /// Args:
+    ///     channel: The number of the channel.
+    ///     source: System and component id.
+    fn boot(&self, channel: u32, source: (u8, u8)) -> Option<(u32, f64)> {
+        to_boot(lock(&self.core).boot(channel, source))
+    }
+
+    /// Return the granted sources: channel, source, time of the last packet or 0, and what `boot` returns.
+    fn sources(&self) -> Vec<(u32, (u8, u8), f64, Option<(u32, f64)>)> {
         let core = lock(&self.core);
-        let seen_at = |boot: Option<Boot>| boot.map_or(0.0, |boot| boot.seen_at);
-        core.sources().map(|(channel, source, state)| (channel, source, state.heard_at, seen_at(state.boot))).collect()
+        core.sources().map(|(channel, source, state)| (channel, source, state.heard_at, to_boot(state.boot))).collect()
     }
 
     /// Decide who takes a message of a source.
@@ -301,6 +313,9 @@ impl Intake {
         let is_direct = lock(&self.reader).as_ref().is_some_and(Reader::begin_to_take);
         let (taken, undecided, is_waiting) = {
             let mut core = lock(&self.core);
+            if core.messages.take_decided() {
+                core.drop_unwanted();
+            }
             (core.queue.take(), core.messages.take_undecided(), core.queue.is_waiting())
         };
         if let Some(reader) = &*lock(&self.reader) {

@@ -2,7 +2,7 @@
 
 use crate::dialect::Dialect;
 use crate::packet;
-use mavstack_intake::channel::Activity;
+use mavstack_intake::channel::{Activity, Boot};
 use mavstack_intake::fields::{HeadingFields, PositionFields};
 use mavstack_intake::intake::Peer;
 use mavstack_intake::messages::Interest;
@@ -35,6 +35,11 @@ pub fn to_position([message_id, latitude, longitude, north, east]: [usize; 5]) -
 
 pub fn to_heading([message_id, roll, pitch, yaw, yaw_speed]: [usize; 5]) -> HeadingFields {
     HeadingFields { message_id: message_id as u32, roll, pitch, yaw, yaw_speed }
+}
+
+/// The last expected boot time in milliseconds, and the time of its packet.
+pub fn to_boot(boot: Option<Boot>) -> Option<(u32, f64)> {
+    boot.map(|boot| (boot.boot_ms, boot.seen_at))
 }
 
 pub fn interest(level: u8) -> PyResult<Interest> {

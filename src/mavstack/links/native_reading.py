@@ -1,8 +1,8 @@
 """The reading of a UDP socket by a thread of the core, in place of the event loop.
 
 The thread parses the datagrams of attached channels; those of all other senders come to the link, which
-admits new peers as ever. If the program does not keep up, the link reads the socket itself, with its fair
-backlog and its filter against floods, until it has been calm for a moment.
+admits new peers as ever. If the program does not keep up, the link reads the socket itself for a moment, with
+its fair backlog and its filter against floods; longer each time, if the program soon does not keep up again.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from mavstack.links.udp import UdpLink
     from mavstack.links.udp_channel import UdpChannel
 
-#: Minimum seconds for which the link reads the socket itself after the program was too slow.
-CALM_TIME: Final = 0.5
+#: Seconds for which the link reads the socket after the program was too slow; doubled each time, except
+#: after the program has kept up for the longest time.
+MIN_TIME: Final = 0.05
+MAX_TIME: Final = 1.6
 
 
 class NativeReading:
@@ -37,6 +39,8 @@ class NativeReading:
         self._intake = intake
         self.number = number
         self._taken_over_at: float | None = None
+        self._returned_at = -MAX_TIME
+        self._time = MIN_TIME
         self._watcher: Callable[[], None] | None = None
 
     def start(self) -> None:
@@ -60,16 +64,26 @@ class NativeReading:
 
     def take_over(self, error: int = 0) -> None:
         """Let the link read its socket, which the thread reads no more."""
-        self._taken_over_at = monotonic()
+        now = monotonic()
+        self._time = min(2 * self._time, MAX_TIME) if now < self._returned_at + MAX_TIME else MIN_TIME
+        self._taken_over_at = now
         self._link.read_itself()
 
-    def emptied(self) -> None:
-        """Return the socket to the thread, if the link has emptied it and was calm for a moment."""
-        if self._taken_over_at is not None and monotonic() - self._taken_over_at >= CALM_TIME:
+    @property
+    def is_due(self) -> bool:
+        """True if the link is to return the socket to the thread, as soon as it has handled what it read."""
+        return self._taken_over_at is not None and monotonic() >= self._taken_over_at + self._time
+
+    def handled(self) -> None:
+        """Return the socket to the thread if it is due; the link has handled what it read."""
+        if self.is_due:
+            self._link.pass_socket()
+            # The events of new channels, which the reader of the link handles in its task, come first.
             asyncio.get_running_loop().call_soon(self._resume)
 
     def _resume(self) -> None:
         if self._taken_over_at is not None and not self._link.closed:
+            self._returned_at = monotonic()
             self.start()
 
     def receive(self, data: bytes, address: Address, count: int) -> None:

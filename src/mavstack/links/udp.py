@@ -182,14 +182,17 @@ class UdpLink(Link):
 
     def _readable(self, sock: socket.socket) -> None:
         if self._backlog:  # a callback for the next part of the backlog is scheduled already
-            self._fill_backlog(sock)
+            if self._native is not None and self._native.is_due:
+                self.pass_socket()  # the thread reads it when the backlog was handled
+            else:
+                self._fill_backlog(sock)
             return
         emptied = self._read_joined(sock) if self.joins_datagrams else self._read_singly(sock)
         if not emptied:
             self._fill_backlog(sock)
             self._handle_backlog()
         elif self._native is not None:
-            self._native.emptied()
+            self._native.handled()
 
     def _read_singly(self, sock: socket.socket) -> bool:
         """Pass on datagrams one by one, each before the next is read; return whether all were read."""
@@ -265,6 +268,8 @@ class UdpLink(Link):
         finally:
             if backlog and not self._closed:
                 asyncio.get_running_loop().call_soon(self._handle_backlog)
+            elif self._native is not None:
+                self._native.handled()
 
     async def stop_transport(self) -> None:
         """Stop reading."""

@@ -14,18 +14,16 @@ engine until the node knows that it need not:
   Those that only listeners take need no check of the engine, and the core calls the listeners. Of messages
   with a boot time the discovery of components needs only those that it does not expect.
 
-Packets that wait in the core when a channel closes or gets a key are handled before the end of the channel,
-or parsed again with the key; when the node closes they are dropped.
-
-Signed packets always come. The times of packets that were left out are added to the routes and to the
-discovery of components before these depend on them.
+Packets that wait in the core when a channel is attached or a source granted are treated like later ones.
+Those that wait when a channel closes or gets a key are handled before its end, or parsed again with the key;
+when the node closes they are dropped. Signed packets always come. The arrival and the boot times of packets
+that were left out are added to the routes and to the discovery of components before these depend on them.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
-from collections import deque
 from dataclasses import replace
 from functools import partial
 from itertools import count
@@ -38,7 +36,7 @@ from mavstack.links.udp_channel import UdpChannel
 from mavstack.node.dispatch import ANY
 from mavstack.node.input_interval import InputInterval
 from mavstack.node.native_interest import interest_of_services
-from mavstack.node.native_runs import Attached, Run
+from mavstack.node.native_runs import Attached, Run, Taken
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -97,8 +95,7 @@ class NativeInput:
         self._descriptor: int | None = None
         self._is_direct = False
         self._stale_takes = 0
-        #: The handling of what was taken from the core, in order.
-        self._taken: deque[Callable[[], None]] = deque()
+        self._taken = Taken()
         #: The interval of reads while the event loop reads the sockets.
         self.interval = InputInterval(host.input_interval, self._look, self._watch)
         self._looked_at = 0.0
@@ -130,10 +127,12 @@ class NativeInput:
         self._waiting.pop(channel, None)
         if (number := self._number_by_channel.get(channel)) is not None:
             self._detach(number)
-        self._handle_taken()
+        self._taken.handle()
 
     def settle(self) -> None:
-        """Attach the channels that can be attached now: of which nothing waits any more."""
+        """Attach the channels that can be attached now: everything that was taken of them was handled."""
+        if not self._taken.is_handled:
+            return
         for channel, attached in tuple(self._waiting.items()):
             number, state = next(self._numbers), attached.state
             if not state.is_plain or channel.closed:
@@ -179,8 +178,8 @@ class NativeInput:
         state.on_parser_changed = lambda: None
         if waits:
             self._waiting[channel] = attached
-        if self._taken:
-            self._loop.call_soon(self._finish_taken)
+        if not self._taken.is_handled:
+            self._loop.call_soon(self._finish_look)
 
     def _refresh(self, channel: Channel, number: int) -> None:
         self._add_received(channel, *self._intake.activity(number))
@@ -243,6 +242,7 @@ class NativeInput:
         return is_found
 
     def _finish_look(self) -> None:
+        self._taken.handle()
         if self._waiting:
             self.settle()
         self._step()
@@ -251,7 +251,7 @@ class NativeInput:
         """Receive bytes that the event loop read; return whether a packet is valid; None: not fed."""
         number = self._number_by_channel.get(channel)
         if number is None:
-            self._handle_taken()  # what was received before these bytes
+            self._taken.handle()  # what was received before these bytes
             return None
         is_valid = self._intake.feed(number, data, self._now())
         takes = 1 + len(data) // MIN_TAKEN_BYTES
@@ -270,7 +270,7 @@ class NativeInput:
     def _take_once(self) -> bool:
         """Handle a part of what waits in the core; return whether there were packets."""
         is_found = self._collect()
-        self._handle_taken()
+        self._taken.handle()
         if self._stale_takes:
             self._stale_takes -= 1
         return is_found
@@ -281,11 +281,15 @@ class NativeInput:
         self._read_directly(is_direct)
         for number, packets, listened, is_kept in runs:
             if (attached := self._attached.get(number)) is not None:
-                self._taken.append(partial(self._handle_run, number, attached, packets, listened, is_kept))
-        self._taken += [partial(self._decide, source, message_id) for source, message_id in undecided]
+                run = Run(attached, packets, listened, is_kept, is_checked=True)
+                self._taken.calls.append(partial(self._handle_run, run))
+                # The core keeps the packets that follow: they have to be newer than all that were taken.
+                if not is_kept:
+                    self._taken.afterwards.append(partial(self._grant, number, packets))
         for socket, address, data, chunks in datagrams:
-            self._taken.append(partial(self._by_socket[socket].receive, data, address, chunks))
-        self._taken += [partial(self._take_over, socket, error) for socket, error in overloaded]
+            self._taken.calls.append(partial(self._by_socket[socket].receive, data, address, chunks))
+        self._taken.afterwards += [partial(self._decide, *each) for each in undecided]
+        self._taken.afterwards += [partial(self._take_over, *each) for each in overloaded]
         return bool(runs)
 
     def _collect_all(self) -> None:
@@ -294,28 +298,18 @@ class NativeInput:
         while self._collect() and takes < MAX_TAKES:
             takes += 1
 
-    def _handle_taken(self) -> None:
-        while self._taken:
-            self._taken.popleft()()
-
-    def _finish_taken(self) -> None:
-        self._handle_taken()
-        self._step()
-
-    def _handle_run(
-        self, number: int, attached: Attached, packets: list[Packet], listened: list[Packet], is_kept: bool
-    ) -> None:
-        self._deliver(Run(attached, packets, listened, is_kept, not self._stale_takes))
-        if not is_kept and number in self._attached:
-            self._grant(number, attached.state, packets)
+    def _handle_run(self, run: Run) -> None:
+        self._deliver(run._replace(is_checked=False) if self._stale_takes else run)
 
     def _take_over(self, socket: int, error: int) -> None:
         if (reading := self._readings.get(socket)) is not None:
             reading.take_over(error)
 
-    def _grant(self, number: int, state: ChannelState, packets: list[Packet]) -> None:
+    def _grant(self, number: int, packets: list[Packet]) -> None:
+        if (attached := self._attached.get(number)) is None:
+            return
         for source in {(packet.system, packet.component) for packet in packets if not packet.signed}:
-            if self._may_grant(state, source):
+            if self._may_grant(attached.state, source):
                 self._intake.grant(number, source)
 
     def _may_grant(self, state: ChannelState, source: tuple[int, int]) -> bool:
@@ -343,6 +337,7 @@ class NativeInput:
         host.packet_dispatch.on_change = self._listeners_changed
         host.discovery.filters.on_change = self._boot_changed
         host.discovery.filters.before_reading = self._sync_heard
+        host.discovery.filters.last_boot = self._last_boot
 
     def _unfollow_changes(self) -> None:
         host, engine = self._host, self._host.engine
@@ -352,13 +347,13 @@ class NativeInput:
         engine.service_index.on_change = lambda ids, system: None
         host.packet_dispatch.on_change = lambda ids, system: None
         host.discovery.filters.on_change = lambda key, boot: None
+        host.discovery.filters.last_boot = lambda key: None
         self._intake.forget_decisions(None, 0)
 
     def _revoke(self, source: tuple[int, int]) -> None:
         self._stale_takes = STALE_TAKES
-        for number, heard_at in self._intake.revoke(source):
-            if (attached := self._attached.get(number)) is not None:
-                self._host.engine.routes.note_heard(source, attached.state, heard_at)
+        for number, heard_at, boot in self._intake.revoke(source):
+            self._note(number, source, heard_at, boot)
 
     def _revoke_all(self) -> None:
         self._stale_takes = STALE_TAKES
@@ -380,11 +375,21 @@ class NativeInput:
 
     def _sync_heard(self) -> None:
         """Add the times of packets that were left out to the routes and to the discovery."""
-        routes, filters = self._host.engine.routes, self._host.discovery.filters
-        for number, source, heard_at, seen_at in self._intake.sources():
-            if (attached := self._attached.get(number)) is not None:
-                routes.note_heard(source, attached.state, heard_at)
-                filters.note_seen((*source, attached.state.name), seen_at)
+        for number, source, heard_at, boot in self._intake.sources():
+            self._note(number, source, heard_at, boot)
+
+    def _note(self, number: int, source: tuple[int, int], at: float, boot: tuple[int, float] | None) -> None:
+        """Add the time of the last packet of a source, and its last expected boot time."""
+        if (attached := self._attached.get(number)) is None:
+            return
+        self._host.engine.routes.note_heard(source, attached.state, at)
+        if boot is not None:
+            self._host.discovery.note_boot((*source, attached.state.name), *boot)
+
+    def _last_boot(self, key: tuple[int, int, str]) -> tuple[int, float] | None:
+        system, component, channel = key
+        number = self._number_of.get(channel)
+        return None if number is None else self._intake.boot(number, (system, component))
 
 
 def is_possible(loop: asyncio.AbstractEventLoop) -> bool:

@@ -1,11 +1,14 @@
-"""The packets that the native input of a node took from the core, and the channels from which they came."""
+"""The packets that the native input of a node took from the core, their channels, and their order."""
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.links import Channel
     from mavstack.links.native_reading import NativeReading
     from mavstack.node.channel_state import ChannelState
@@ -49,3 +52,38 @@ class Run(NamedTuple):
         others = set(map(id, self.listened))
         packets = [*self.listened, *(packet for packet in self.packets if id(packet) not in others)]
         return b"".join(packet.raw for packet in packets)
+
+
+class Taken:
+    """The handling of what was taken from the core.
+
+    Attributes:
+        calls: What is to be called, in order.
+        afterwards: What is to be called when all of it was handled.
+    """
+
+    def __init__(self) -> None:
+        self.calls: deque[Callable[[], None]] = deque()
+        self.afterwards: deque[Callable[[], None]] = deque()
+        self._is_under_way = False
+
+    @property
+    def is_handled(self) -> bool:
+        """True if nothing is left, and nothing is being handled."""
+        return not (self.calls or self.afterwards or self._is_under_way)
+
+    def handle(self) -> None:
+        """Handle everything; if a part of it calls this, the rest is handled after that part."""
+        if self._is_under_way:
+            return
+        self._is_under_way = True
+        try:
+            while calls := self.calls or self.afterwards:
+                calls.popleft()()
+        finally:
+            self._is_under_way = False
+
+    def clear(self) -> None:
+        """Drop what was not handled yet."""
+        self.calls.clear()
+        self.afterwards.clear()

@@ -187,3 +187,48 @@ def test_ended_boot_is_dropped():
         if at == 30:
             assert len(tracker.boots) == 2  # the late message might continue
     assert len(tracker.boots) == 1
+
+
+def findings_with_left_out(*streams):
+    """As `findings`, but messages that continue the only boot are only noted when another one comes."""
+    tracker, found, last = BootTracker(), [], None
+    for at, since_boot in sorted(message for each in streams for message in each):
+        boot_ms = round(since_boot * 1000) % (1 << 32)
+        if last is not None and abs((boot_ms - last[0]) / 1000 - (at - last[1])) < 1.0:
+            last = boot_ms, at
+            continue
+        if last is not None:
+            tracker.note_expected(last[0], START + last[1], "a link")
+        finding = tracker.observe(boot_ms, START + at, "a link")
+        last = (boot_ms, at) if len(tracker.boots) == 1 and not tracker.in_conflict else None
+        if finding is not Finding.NOTHING:
+            found.append((finding, at))
+    return found
+
+
+@pytest.mark.parametrize(
+    "streams",
+    [
+        (stream(-100, 0, 60), stream(61, 62, 120)),
+        (stream(-100, 0, 60), stream(60.2, 60.5, 61), stream(61.2, 61.4, 90)),
+        (stream(-100, 0, 120), stream(-4000, 30.1, 120)),
+        (stream(-4000, 0, 120), stream(20, 30.1, 90)),
+        (stream(-100, 0, 40), stream(-100, 80, 120)),
+        (stream(-100, 0, 60), stream(-100, 70, 90, speed=1.0001), stream(90, 92, 130)),
+    ],
+)
+def test_messages_that_only_continue_a_boot_may_be_left_out(streams):
+    assert findings_with_left_out(*streams) == findings(*streams)
+
+
+def test_only_newer_messages_of_the_current_boot_are_noted():
+    tracker = BootTracker()
+    tracker.note_expected(5_000, START, "a link")
+    assert tracker.boots == ()
+    tracker.observe(10_000, START, "a link")
+    (boot,) = tracker.boots
+    tracker.note_expected(11_000, START + 1, "a link")
+    assert (boot.since_boot, boot.seen_at) == (11, START + 1)
+    tracker.note_expected(10_500, START + 0.5, "a link")
+    tracker.note_expected(500_000, START + 2, "a link")
+    assert (boot.since_boot, boot.seen_at) == (11, START + 1)

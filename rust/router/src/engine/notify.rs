@@ -1,6 +1,7 @@
 //! A descriptor that is readable while events wait, so that event loops can wait for it.
 
 use std::io::{self, Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[cfg(unix)]
 type Pipe = std::os::unix::net::UnixStream;
@@ -30,6 +31,8 @@ fn pair() -> io::Result<(Pipe, Pipe)> {
 pub struct Notifier {
     reader: Pipe,
     writer: Pipe,
+    /// There may be a byte to read: it saves the system calls that would find none.
+    is_set: AtomicBool,
 }
 
 impl Notifier {
@@ -37,17 +40,22 @@ impl Notifier {
         let (reader, writer) = pair()?;
         reader.set_nonblocking(true)?;
         writer.set_nonblocking(true)?;
-        Ok(Self { reader, writer })
+        Ok(Self { reader, writer, is_set: AtomicBool::new(false) })
     }
 
     /// Makes the descriptor readable.
     pub fn set(&self) {
         // A full pipe is readable already.
         let _ = (&self.writer).write(&[1]);
+        // Only now: a `clear` between both leaves the byte to the next one.
+        self.is_set.store(true, Ordering::Release);
     }
 
     /// Makes the descriptor unreadable.
     pub fn clear(&self) {
+        if !self.is_set.swap(false, Ordering::AcqRel) {
+            return;
+        }
         let mut bytes = [0; 64];
         // A short read empties it.
         while matches!((&self.reader).read(&mut bytes), Ok(count) if count == bytes.len()) {}
@@ -63,5 +71,38 @@ impl Notifier {
     #[must_use]
     pub fn descriptor(&self) -> i64 {
         std::os::windows::io::AsRawSocket::as_raw_socket(&self.reader) as i64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes(notifier: &Notifier) -> usize {
+        let mut bytes = [0; 64];
+        (&notifier.reader).read(&mut bytes).unwrap_or(0)
+    }
+
+    #[test]
+    fn what_was_signalled_is_cleared() {
+        let notifier = Notifier::new().expect("sockets");
+        notifier.clear();
+        notifier.set();
+        notifier.set();
+        assert_eq!(bytes(&notifier), 2);
+        notifier.set();
+        notifier.clear();
+        assert_eq!(bytes(&notifier), 0);
+    }
+
+    #[test]
+    fn a_signal_that_comes_while_another_thread_clears_is_not_lost() {
+        let notifier = Notifier::new().expect("sockets");
+        let _ = (&notifier.writer).write(&[1]); // the first half of `set`
+        notifier.clear();
+        assert_eq!(bytes(&notifier), 1, "the descriptor stays readable");
+        notifier.set();
+        notifier.clear();
+        assert_eq!(bytes(&notifier), 0);
     }
 }

@@ -125,6 +125,13 @@ class AddressConflictDetector:
         self._types = {key: seen for key, seen in self._types.items() if set(seen.channels) - {channel}}
         return self._end(now)
 
+    def note_expected(self, boot_ms: int, seen_at: float, channel: str) -> None:
+        """Record the last message of the current boot, of which this detector did not get those before."""
+        heard = self._heard.get(channel)
+        if heard is not None:
+            heard.at = max(heard.at, seen_at)
+        self.boot_tracker.note_expected(boot_ms, seen_at, channel)
+
     def observe_message(self, message: Message, boot_ms: int, now: float, channel: str) -> Finding:
         """Check the boot time and the state of a message."""
         heard = self._record_channel(now, channel)

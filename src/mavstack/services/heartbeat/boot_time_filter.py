@@ -46,12 +46,15 @@ class BootTimeFilters:
         on_change: Called with a sender, and the boot time and time of its new filter, or None if it has no
             filter any more: another filter of the same packets follows this one.
         before_reading: Called before the times of the last messages are read.
+        last_boot: Returns the boot time and the time of the last message of a sender that another filter let
+            pass; None if there is no other filter.
     """
 
     def __init__(self) -> None:
         self._filters: dict[Key, BootTimeFilter] = {}
         self.on_change: Callable[[Key, tuple[int, float] | None], None] = lambda key, boot: None
         self.before_reading: Callable[[], None] = lambda: None
+        self.last_boot: Callable[[Key], tuple[int, float] | None] = lambda key: None
 
     def is_expected(self, key: Key, time_boot_ms: int, now: float) -> bool:
         """Return whether a message of a sender only continues the last one."""

@@ -105,6 +105,14 @@ class BootTracker:
             return self._update_conflict(boot, now)
         return Finding.NOTHING if boot.is_path else self._compare(boot, current, silence, now)
 
+    def note_expected(self, time_boot_ms: int, seen_at: float, channel: str) -> None:
+        """Record the last message of the current boot; one of another boot, or an old one, is ignored."""
+        current, since_boot = self._current, time_boot_ms / 1000
+        if current is None or seen_at <= current.seen_at:
+            return
+        if abs(current.deviation(since_boot, seen_at)) <= SAME_BOOT:
+            _record(current, since_boot, seen_at, channel)
+
     def _add_other(self, since_boot: float, now: float, current: Boot) -> Boot:
         """Add a boot beside the current one."""
         if len(self._boots) >= MAX_BOOTS:

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from mavstack.dialects import Message
+    from mavstack.services.heartbeat.boot_time_filter import Key
     from mavstack.services.heartbeat.conflicting_sender import Conflict
     from mavstack.wire import Packet
 
@@ -216,12 +217,27 @@ class Discovery(Service):
             self._probes.answered(address, channel, now)
         return self._detectors[address].observe_version(version, now, channel)
 
+    def note_boot(self, key: Key, boot_ms: int, seen_at: float) -> None:
+        """Record the last message of a sender that another filter let pass.
+
+        Args:
+            key: The sender.
+            boot_ms: The boot time of the message in milliseconds.
+            seen_at: Unix time of its arrival in seconds.
+        """
+        self.filters.note_seen(key, seen_at)
+        system, component, channel = key
+        if (detector := self._detectors.get(Address(system, component))) is not None:
+            detector.note_expected(boot_ms, seen_at, channel)
+
     def _boot_time_received(self, address: Address, message: Message, boot_ms: int, now: float) -> None:
         """Check a message with a boot time: every other message in `handles` has one."""
         detector, channel = self._detectors[address], self._channel_name()
+        key = (*address, channel)
+        if (last := self.filters.last_boot(key)) is not None:
+            self.note_boot(key, *last)
         self._report(address, detector.observe_message(message, boot_ms, now, channel), now)
         self._update_probe(address, now)
-        key = (*address, channel)
         if detector.is_one_boot:
             self.filters.set(key, boot_ms, now)
         else:
