@@ -49,7 +49,7 @@ class Lane:
         self.windows: list[float] = []
 
     def send(self, data: bytes) -> None:
-        """Send a packet; a receiver that listens no more is found when it is asked for its CPU time."""
+        """Send a packet; a receiver that has ended is found when it is asked for its CPU time."""
         try:
             self._socket.send(data)
         except ConnectionRefusedError:

@@ -307,7 +307,7 @@ async def test_packets_that_wait_when_their_source_is_granted_are_left_out_too()
         sender.socket.close()
 
 
-async def test_a_reboot_is_told_from_a_conflict_after_packets_that_were_left_out():
+async def test_the_last_boot_time_is_known_after_packets_that_were_left_out():
     async with vehicle_on() as (node, sender), node.events(ComponentRebooted) as reboots:
         await granted(node, sender)
         discovery = node._host.discovery

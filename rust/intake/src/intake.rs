@@ -86,7 +86,7 @@ impl Intake {
             let header = packet.header;
             let granted = sources.get_mut(&(header.system, header.component)).filter(|_| !header.signed());
             match granted {
-                Some(source) => Judge { fields, messages, queue }.judge(number, source, &packet, now),
+                Some(source) => Sorter { fields, messages, queue }.sort(number, source, &packet, now),
                 None => queue.push_whole(number, &packet, now),
             }
         });
@@ -171,7 +171,7 @@ impl Intake {
             let header = packet.header;
             let is_granted = (header.system, header.component) == source && !header.signed();
             match state.as_mut().filter(|_| is_granted) {
-                Some(state) => Judge { fields, messages, queue }.judge(run.channel, state, &packet, run.at),
+                Some(state) => Sorter { fields, messages, queue }.sort(run.channel, state, &packet, run.at),
                 None => queue.push_whole(run.channel, &packet, run.at),
             }
         }
@@ -226,16 +226,16 @@ impl Intake {
 }
 
 /// The parts of an intake that decide about a packet of a granted source.
-struct Judge<'a> {
+struct Sorter<'a> {
     fields: &'a Fields,
     messages: &'a mut Messages,
     queue: &'a mut Queue,
 }
 
-impl Judge<'_> {
+impl Sorter<'_> {
     /// Keeps a packet, and queues it if a part of the program takes it.
     #[inline]
-    fn judge(self, channel: u32, source: &mut Source, packet: &Packet<'_>, now: f64) {
+    fn sort(self, channel: u32, source: &mut Source, packet: &Packet<'_>, now: f64) {
         let header = packet.header;
         source.heard_at = now;
         let decision = self.messages.keep(packet, now);

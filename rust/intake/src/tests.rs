@@ -173,7 +173,7 @@ fn datagrams_that_wait_are_parsed_in_their_place_when_their_channel_is_attached(
 }
 
 #[test]
-fn packets_that_wait_are_kept_when_their_source_is_granted_and_dropped_when_nobody_takes_them() {
+fn packets_that_wait_are_kept_when_their_source_is_granted_and_dropped_when_no_part_takes_them() {
     let mut intake = attached();
     intake.messages.follow(SOURCE.0);
     let other = packet(HEARTBEAT, &[0, 0, 0, 0, 2, 3, 81, 3, 3], (8, 1));
