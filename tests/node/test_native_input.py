@@ -16,7 +16,7 @@ from mavstack.dialects import Dialect, common
 from mavstack.node import Node
 from mavstack.node.message_fields import BOOT_FIELDS, POSITION_FIELDS
 from mavstack.security import SigningKey
-from mavstack.services.heartbeat import AddressConflict, ComponentRebooted
+from mavstack.services.heartbeat import AddressConflict
 from mavstack.vehicle import Vehicle
 from tests.waiting import wait_until
 
@@ -262,70 +262,6 @@ async def test_a_program_that_does_not_keep_up_loses_nothing_and_reads_natively_
         sender.send(common.VfrHud(heading=5))
         await wait_until(lambda: received[-1] == 5)
         assert received == [0] * 60 + [1] * 60 + [2] * 60 + [3, 4, 5]
-
-
-async def test_a_vehicle_that_sends_much_from_its_first_packet_on_loses_nothing_and_keeps_its_order():
-    async with Node("udpin://127.0.0.1:0", heartbeat=False) as node:
-        sender = Sender(node.links[0].address[1])
-        everything, headings = [], []
-        node.add_packet_listener(None, lambda packet: everything.append(packet.sequence))
-        node.add_listener(common.VfrHud, lambda message: headings.append(message.heading))
-        for number in range(300):
-            sender.send(AUTOPILOT, common.Attitude(time_boot_ms=number))
-            for _ in range(5):
-                sender.send(common.VfrHud(heading=number))
-            if number % 60 == 59:
-                await asyncio.sleep(0)  # part of them come while the channel is opened
-        await flush(node, sender)
-        (reading,) = native(node)._readings.values()
-        assert reading._taken_over_at is None
-        assert headings == [number for number in range(300) for _ in range(5)]
-        assert all((after - before) % 256 == 1 for before, after in pairwise(everything))
-        (channel,) = node.links[0].channels
-        assert node.channel_state(channel).parser.sources[1, 1].lost == 0
-        sender.socket.close()
-
-
-async def test_packets_that_wait_when_their_source_is_granted_are_left_out_too():
-    async with Node("udpin://127.0.0.1:0", heartbeat=False) as node:
-        sender = Sender(node.links[0].address[1])
-        sender.send(AUTOPILOT)
-        await node.wait_for_autopilot(timeout=20)
-        vehicle = Vehicle(node, node.component(1))
-        await granted(node, sender)
-        sender.send(common.VfrHud())
-        await flush(node, sender)
-        node._host.intake.revoke_all()
-        names = arrivals(node)
-        for number in range(4000):
-            sender.send(common.VfrHud(alt=number))
-        (channel,) = node.links[0].channels
-        await wait_until(lambda: node.channel_state(channel).parser.statistics.packets > 4000)
-        await flush(node, sender)
-        assert 0 < names.count("VFR_HUD") < 4000
-        assert vehicle.latest(common.VfrHud).alt == 3999
-        sender.socket.close()
-
-
-async def test_the_last_boot_time_is_known_after_packets_that_were_left_out():
-    async with vehicle_on() as (node, sender), node.events(ComponentRebooted) as reboots:
-        await granted(node, sender)
-        discovery = node._host.discovery
-        for boot_ms in (10_000, 10_020, 10_040):
-            sender.send(common.Attitude(time_boot_ms=boot_ms))
-            await flush(node, sender)
-        tracker = discovery._detectors[1, 1].boot_tracker
-        before = tracker._current.seen_at
-        names = arrivals(node)
-        sender.send(common.Attitude(time_boot_ms=10_060))
-        await flush(node, sender)
-        assert "ATTITUDE" not in names
-        sender.send(common.Attitude(time_boot_ms=500_000))
-        await flush(node, sender)
-        (current, other) = tracker.boots
-        assert (current.since_boot, other.since_boot) == (10.06, 500.0)
-        assert before < current.seen_at < other.seen_at
-        assert not reboots.drain()
 
 
 async def test_the_event_loop_waits_for_the_socket_while_packets_are_taken_and_the_thread_afterwards():

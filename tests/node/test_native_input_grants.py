@@ -1,4 +1,4 @@
-"""Packets that were left to the thread before a grant was revoked are checked by the engine."""
+"""A grant begins after the packets that were taken before it; what the core knows is noted when it ends."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import pytest
 import mavstack
 from mavstack.dialects import common
 from mavstack.node.native_runs import Taken
-from tests.node.test_native_input import DIALECT, flush, granted, native, vehicle_on
+from mavstack.services.heartbeat import ComponentRebooted
+from tests.node.test_native_input import DIALECT, arrivals, flush, granted, native, vehicle_on
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
 
@@ -112,3 +113,37 @@ async def test_a_source_is_granted_after_all_packets_that_were_taken_with_its_fi
             patch.setattr(part, "_intake", intake)
             part._take()
         assert calls == ["deliver", "deliver", "grant", "grant"]
+
+
+async def test_the_last_boot_time_is_known_after_packets_that_were_left_out():
+    async with vehicle_on() as (node, sender), node.events(ComponentRebooted) as reboots:
+        await granted(node, sender)
+        discovery = node._host.discovery
+        for boot_ms in (10_000, 10_020, 10_040):
+            sender.send(common.Attitude(time_boot_ms=boot_ms))
+            await flush(node, sender)
+        tracker = discovery._detectors[1, 1].boot_tracker
+        before = tracker._current.seen_at
+        names = arrivals(node)
+        sender.send(common.Attitude(time_boot_ms=10_060))
+        await flush(node, sender)
+        assert "ATTITUDE" not in names
+        sender.send(common.Attitude(time_boot_ms=500_000))
+        await flush(node, sender)
+        (current, other) = tracker.boots
+        assert (current.since_boot, other.since_boot) == (10.06, 500.0)
+        assert before < current.seen_at < other.seen_at
+        assert not reboots.drain()
+
+
+async def test_the_last_boot_time_is_known_when_the_core_parses_a_channel_no_more():
+    async with vehicle_on() as (node, sender):
+        await granted(node, sender)
+        for boot_ms in (10_000, 10_020, 10_040):
+            sender.send(common.Attitude(time_boot_ms=boot_ms))
+            await flush(node, sender)
+        tracker, part = node._host.discovery._detectors[1, 1].boot_tracker, native(node)
+        assert tracker.boots[0].since_boot < 10.04
+        (number,) = part._attached
+        part._detach(number, waits=True)
+        assert tracker.boots[0].since_boot == 10.04

@@ -1,4 +1,4 @@
-"""Packets that wait in the core when a channel closes or gets a key are handled, not dropped."""
+"""Packets that wait in the core when a channel opens, gets a key or closes are handled, not dropped."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 import os
 import socket
 from contextlib import ExitStack
+from itertools import pairwise
 from time import sleep, time
 
 import pytest
@@ -14,8 +15,10 @@ from mavstack.dialects import common
 from mavstack.links import ChannelClosed
 from mavstack.node import Node
 from mavstack.security import SigningKey
+from mavstack.vehicle import Vehicle
 from mavstack.wire import Encoder
 from tests.links.test_native_stream import vehicle_on
+from tests.node.test_native_input import AUTOPILOT, Sender, arrivals, flush, granted, native
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="the event loop waits for no descriptor")
@@ -81,3 +84,46 @@ async def test_datagrams_that_wait_before_their_channels_are_attached_are_handle
         sent = send_in_turns(node.links[0].address)
         await wait_until(lambda: len(received) == DATAGRAMS)
         assert received == sent
+
+
+async def test_a_vehicle_that_sends_much_from_its_first_packet_on_loses_nothing_and_keeps_its_order():
+    async with Node("udpin://127.0.0.1:0", heartbeat=False) as node:
+        sender = Sender(node.links[0].address[1])
+        everything, headings = [], []
+        node.add_packet_listener(None, lambda packet: everything.append(packet.sequence))
+        node.add_listener(common.VfrHud, lambda message: headings.append(message.heading))
+        for number in range(300):
+            sender.send(AUTOPILOT, common.Attitude(time_boot_ms=number))
+            for _ in range(5):
+                sender.send(common.VfrHud(heading=number))
+            if number % 60 == 59:
+                await asyncio.sleep(0)  # part of them come while the channel is opened
+        await flush(node, sender)
+        (reading,) = native(node)._readings.values()
+        assert reading._taken_over_at is None
+        assert headings == [number for number in range(300) for _ in range(5)]
+        assert all((after - before) % 256 == 1 for before, after in pairwise(everything))
+        (channel,) = node.links[0].channels
+        assert node.channel_state(channel).parser.sources[1, 1].lost == 0
+        sender.socket.close()
+
+
+async def test_packets_that_wait_when_their_source_is_granted_are_left_out_too():
+    async with Node("udpin://127.0.0.1:0", heartbeat=False) as node:
+        sender = Sender(node.links[0].address[1])
+        sender.send(AUTOPILOT)
+        await node.wait_for_autopilot(timeout=20)
+        vehicle = Vehicle(node, node.component(1))
+        await granted(node, sender)
+        sender.send(common.VfrHud())
+        await flush(node, sender)
+        node._host.intake.revoke_all()
+        names = arrivals(node)
+        for number in range(4000):
+            sender.send(common.VfrHud(alt=number))
+        (channel,) = node.links[0].channels
+        await wait_until(lambda: node.channel_state(channel).parser.statistics.packets > 4000)
+        await flush(node, sender)
+        assert 0 < names.count("VFR_HUD") < 4000
+        assert vehicle.latest(common.VfrHud).alt == 3999
+        sender.socket.close()
