@@ -3,7 +3,9 @@
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
 use crate::intake_listeners::Listeners;
-use crate::intake_values::{Run, datagrams, interest, peer, to_activity, to_boot, to_heading, to_position, to_run};
+use crate::intake_values::{
+    LastBoot, Run, datagrams, interest, peer, to_activity, to_boot, to_heading, to_position, to_run,
+};
 use crate::packet;
 use crate::parser::Parser;
 use crate::router_descriptors::{stream_of, udp_of};
@@ -235,7 +237,7 @@ impl Intake {
     /// Returns:
     ///     The channels on which it was granted, with the times of its last packets, 0: none, and with its last expected
     ///     boot times as `boot` returns them.
-    fn revoke(&self, source: (u8, u8)) -> Vec<(u32, f64, Option<(u32, f64)>)> {
+    fn revoke(&self, source: (u8, u8)) -> Vec<(u32, f64, LastBoot)> {
         let revoked = lock(&self.core).revoke(source).into_iter();
         revoked.map(|(channel, state)| (channel, state.heard_at, to_boot(state.boot))).collect()
     }
@@ -262,12 +264,12 @@ impl Intake {
     /// Args:
     ///     channel: The number of the channel.
     ///     source: System and component id.
-    fn boot(&self, channel: u32, source: (u8, u8)) -> Option<(u32, f64)> {
+    fn boot(&self, channel: u32, source: (u8, u8)) -> LastBoot {
         to_boot(lock(&self.core).boot(channel, source))
     }
 
     /// Return the granted sources: channel, source, time of the last packet or 0, and what `boot` returns.
-    fn sources(&self) -> Vec<(u32, (u8, u8), f64, Option<(u32, f64)>)> {
+    fn sources(&self) -> Vec<(u32, (u8, u8), f64, LastBoot)> {
         let core = lock(&self.core);
         core.sources().map(|(channel, source, state)| (channel, source, state.heard_at, to_boot(state.boot))).collect()
     }

@@ -37,8 +37,10 @@ pub fn to_heading([message_id, roll, pitch, yaw, yaw_speed]: [usize; 5]) -> Head
     HeadingFields { message_id: message_id as u32, roll, pitch, yaw, yaw_speed }
 }
 
-/// The last expected boot time in milliseconds, and the time of its packet.
-pub fn to_boot(boot: Option<Boot>) -> Option<(u32, f64)> {
+/// The last expected boot time in milliseconds, and the time of its packet; `None`: none is expected.
+pub type LastBoot = Option<(u32, f64)>;
+
+pub fn to_boot(boot: Option<Boot>) -> LastBoot {
     boot.map(|boot| (boot.boot_ms, boot.seen_at))
 }
 
