@@ -33,6 +33,11 @@ def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
     return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)
 
 
+def is_px4(info: ComponentInfo | None) -> bool:
+    """Return whether a component is an autopilot with PX4."""
+    return info is not None and info.autopilot == common.MavAutopilot.PX4
+
+
 def saves_at_once(info: ComponentInfo | None) -> bool:
     """Return whether each parameter is saved when it is set, and no command saves them, as on ArduPilot."""
     return is_ardupilot(info)
@@ -40,7 +45,7 @@ def saves_at_once(info: ComponentInfo | None) -> bool:
 
 def saves_by_itself(info: ComponentInfo | None) -> bool:
     """Return whether parameters are saved without a command: at once, or after seconds on PX4."""
-    return saves_at_once(info) or (info is not None and info.autopilot == common.MavAutopilot.PX4)
+    return saves_at_once(info) or is_px4(info)
 
 
 def firmware_key(info: ComponentInfo | None, version: AutopilotVersion | None) -> str:

@@ -27,6 +27,7 @@ from mavstack.node.api_object import ReadOnly
 from mavstack.node.firmware import (
     firmware_key,
     has_packed_params,
+    is_px4,
     param_encoding,
     saves_at_once,
     saves_by_itself,
@@ -362,7 +363,8 @@ class Params(ReadOnly):
         return self._client.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
-        if not self._version_requested:
+        # All versions of PX4 encode bytewise, as the client does by default, and have no packed file.
+        if not is_px4(self._clients.info):
             await self._find_version(budget)
             self._client.encoding = param_encoding(self._clients.info, self._capabilities)
 
@@ -371,6 +373,8 @@ class Params(ReadOnly):
         return 0 if self._version is None else self._version.capabilities
 
     async def _find_version(self, budget: TimeBudget) -> None:
+        if self._version_requested:
+            return
         operation = RequestAutopilotVersion(timeout=budget.remaining(CAPABILITIES_TIMEOUT))
         try:
             self._version = await self._clients.host.run_operation(self._clients.command, operation)
@@ -381,7 +385,7 @@ class Params(ReadOnly):
         self._version_requested = True
 
     async def _firmware_key(self, budget: TimeBudget) -> str:
-        await self._find_encoding(budget)
+        await self._find_version(budget)
         return firmware_key(self._clients.info, self._version)
 
     async def _remembered_metadata(
