@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import sys
 from contextlib import asynccontextmanager
 
@@ -13,6 +14,14 @@ from .peers import PtyPeer
 
 pytest.importorskip("serial")
 posix_only = pytest.mark.skipif(sys.platform == "win32", reason="needs ptys")
+
+
+@pytest.fixture
+async def failures():
+    """Collect the exceptions that no task or caller gets."""
+    collected = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: collected.append(context))
+    return collected
 
 
 @posix_only
@@ -68,6 +77,32 @@ async def test_a_reconnected_device_is_opened_again(tmp_path, threads):
         event.channel.write(b"back")
         assert await second.receive(4) == b"back"
     await second.close()
+
+
+@posix_only
+@pytest.mark.parametrize("threads", ["no", "yes"])
+@pytest.mark.parametrize("ends_at_the_device", [False, True])
+async def test_a_closed_channel_ends_once_and_the_port_is_opened_again(
+    tmp_path, threads, ends_at_the_device, failures
+):
+    first, device = PtyPeer(), tmp_path / "ttyDrone"
+    device.symlink_to(first.path)
+    async with open_link(f"serial://{device}?retry=1ms&retry_limit=2ms&threads={threads}") as link:
+        channel = (await anext(link)).channel
+        if ends_at_the_device:
+            second = PtyPeer()
+            device.unlink()
+            device.symlink_to(second.path)
+            await first.close()
+        else:
+            second = first
+            channel.close()
+        while not isinstance(event := await anext(link), ChannelOpened):
+            pass
+        event.channel.write(b"back")
+        assert await second.receive(4) == b"back"
+    await second.close()
+    assert not failures
 
 
 async def test_a_missing_device_raises_with_the_available_ports():

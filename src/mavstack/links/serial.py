@@ -168,6 +168,12 @@ class PosixSerialChannel(StreamChannel):
         with suppress(OSError):
             self._port.close()
 
+    def abort(self) -> None:
+        """Close the transport without sending its buffer."""
+        # A transport of a pipe without a buffer ends by itself; asyncio would end it a second time, and fail.
+        if self._writer.transport.get_write_buffer_size():
+            super().abort()
+
 
 class ThreadedSerialChannel(QueuedChannel):
     """A channel over a serial port, read and written by two threads."""
