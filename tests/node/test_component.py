@@ -16,6 +16,7 @@ from mavstack.services.ftp import Entry, file_crc32
 from mavstack.services.manual_control import ChannelOverride, ManualInput
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.services.modes import modes_of
+from mavstack.services.parameters import Encoding
 from mavstack.services.setpoints import LocalSetpoint
 from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import COPTER, VehiclePair
@@ -245,6 +246,31 @@ def test_ardupilot_parameters_are_downloaded_as_one_file() -> None:
         assert {name: parameter.value for name, parameter in fetched.items()} == {
             f"P_{number:02}": number for number in range(40)
         }
+
+    with_pair(work, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
+
+
+def test_px4_is_not_asked_for_its_version_before_its_parameters_are_transferred() -> None:
+    async def work(pair: VehiclePair) -> None:
+        async with pair.vehicle.packets(common.CommandLong) as commands:
+            assert (await pair.remote.params.get("P_03")).value == 3
+            await pair.remote.params.download()
+            assert not commands.drain()
+
+    with_pair(work, autopilot=common.MavAutopilot.PX4)
+
+
+def test_an_autopilot_that_runs_px4_now_gets_its_encoding() -> None:
+    async def work(pair: VehiclePair) -> None:
+        params = pair.remote.params
+        await params.get("P_03")
+        assert params.encoding is Encoding.C_CAST
+        pair.vehicle._heartbeat.autopilot = common.MavAutopilot.PX4
+        pair.vehicle.parameters.encoding = Encoding.BYTEWISE
+        async with pair.ground.stream(common.Heartbeat) as heartbeats:
+            await anext(heartbeats)
+        assert (await params.set("P_03", 1_000_001)).value == 1_000_001
+        assert params.encoding is Encoding.BYTEWISE
 
     with_pair(work, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
 

@@ -363,8 +363,10 @@ class Params(ReadOnly):
         return self._client.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
-        # All versions of PX4 encode bytewise, as the client does by default, and have no packed file.
-        if not is_px4(self._clients.info):
+        # All versions of PX4 encode bytewise, and have no packed file.
+        if is_px4(self._clients.info):
+            self._client.encoding = Encoding.BYTEWISE
+        else:
             await self._find_version(budget)
             self._client.encoding = param_encoding(self._clients.info, self._capabilities)
 
