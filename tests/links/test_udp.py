@@ -54,8 +54,7 @@ class TestUdpout(Conformance):
         await peer.close()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="the event loop waits for no descriptor")
-class TestUdpinReadNatively(TestUdpin):
+class ReadNatively:
     """The datagrams of senders that are not attached take the way over the thread of the core."""
 
     @asynccontextmanager
@@ -83,6 +82,21 @@ class TestUdpinReadNatively(TestUdpin):
             finally:
                 asyncio.get_running_loop().remove_reader(descriptor)
                 intake.stop()
+
+
+needs_descriptors = pytest.mark.skipif(
+    sys.platform == "win32", reason="the event loop waits for no descriptor"
+)
+
+
+@needs_descriptors
+class TestUdpinReadNatively(ReadNatively, TestUdpin):
+    """A link that listens, read by the thread."""
+
+
+@needs_descriptors
+class TestUdpoutReadNatively(ReadNatively, TestUdpout):
+    """A link with one peer, read by the thread."""
 
 
 async def test_a_link_that_is_to_return_its_socket_handles_what_it_read_and_reads_no_more():

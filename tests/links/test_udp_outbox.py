@@ -6,13 +6,16 @@ import asyncio
 import errno
 import os
 import socket
+from time import time
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.links import open_link, udp_outbox
 from mavstack.node import Node
-from mavstack.wire import Parser
+from mavstack.security import SigningKey
+from mavstack.services import Address
+from mavstack.wire import Encoder, Parser
 from tests.waiting import wait_until
 
 from .peers import UdpPeer
@@ -87,6 +90,38 @@ async def test_the_datagrams_for_several_peers_of_one_socket_leave_together():
         received = sorted([await peer.receive(1) for peer in peers])
         assert received == [b"0", b"1", b"2"]
         for peer in peers:
+            await peer.close()
+
+
+async def test_signed_packets_of_several_components_to_several_peers_leave_together():
+    key, components = SigningKey.generate(), [Address(255, 190), Address(255, 191), Address(255, 192)]
+    async with Node("udpin://127.0.0.1:0", heartbeat=False, signing=key) as node:
+        address = node.links[0].address
+        peers = {UdpPeer(address): Parser(common, signing=key.signing(link_id)) for link_id in (1, 2)}
+        for number, peer in enumerate(peers, 1):
+            signed = Encoder(number, 1, signing=key.signing(number))
+            await peer.send(signed.encode(common.Heartbeat(), time()))
+        await wait_until(lambda: len(node._host.engine.channels) == len(peers))
+        sender = sender_of(node.links[0])
+        before = 0 if sender is None else sender.calls
+        engine, now = node._host.engine, node.now()
+        for number in range(30):
+            message = common.NamedValueInt(name="n", value=number)
+            engine.send(message, now, source=components[number % len(components)])
+        node._host.open_driver.step()
+        assert sender_of(node.links[0]).calls == before + 1
+        for peer, parser in peers.items():
+            packets = []
+            while len(packets) < 30:
+                packets += parser.feed(await peer.receive(1), time())
+            assert [each.message.value for each in packets] == list(range(30))
+            assert all(each.signed for each in packets)
+            for place, local in enumerate(components):
+                own = packets[place :: len(components)]
+                assert {(each.system, each.component) for each in own} == {local}
+                assert [each.sequence for each in own] == list(range(10))
+            stamps = [each.signature_timestamp for each in packets]
+            assert stamps == sorted(set(stamps))
             await peer.close()
 
 

@@ -7,6 +7,7 @@ runs it over many, and `pytest TEST --seed N` runs it again over the one that fa
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from itertools import count
 from random import Random
@@ -86,6 +87,11 @@ class Pipe:
         arrived = self.flow.receive(now)
         return [] if self.cut else arrived
 
+    def drop(self) -> None:
+        """Lose everything that is on its way."""
+        self._in_transit.clear()
+        self.flow.receive(math.inf)
+
     def next_timeout(self) -> float | None:
         times = [time for time in (self.flow.next_timeout(),) if time is not None]
         times += [due for due, _ in self._in_transit[:1]]
@@ -111,6 +117,8 @@ class Node:
         self.setup = setup
         self.engine = Engine(address, common)
         self.ports: list[Port] = []
+        #: It does nothing, and what is sent to it waits.
+        self.is_suspended = False
         self.received: list[Packet] = []
         self.events: list[tuple[Service, Event]] = []
         if setup:
@@ -118,6 +126,17 @@ class Node:
 
     def events_of(self, kind: type) -> list[Event]:
         return [event for _, event in self.events if isinstance(event, kind)]
+
+    def unplug(self, port: Port) -> None:
+        """Close this end of a link; what was on its way to it is lost."""
+        self.engine.close_channel(port.channel)
+        port.inward.drop()
+        port.inward.cut = True
+
+    def plug(self, port: Port) -> None:
+        """Open this end of a link again."""
+        port.channel = self.engine.open_channel("wire")
+        port.inward.cut = False
 
     def restart(self) -> None:
         """Reboot: lose everything except the objects that `setup` closes over."""
@@ -202,15 +221,17 @@ class Network:
     def _pump(self) -> None:
         while self._actions and self._actions[0][0] <= self.now:
             self._actions.pop(0)[2]()
-        for node in self.nodes:
+        running = [node for node in self.nodes if not node.is_suspended]
+        for node in running:
             node.receive(self.now)
             node.engine.handle_timeout(self.now)
-        for node in self.nodes:
+        for node in running:
             node.send(self.now)
 
     def _next_timeout(self) -> float | None:
-        times = [node.engine.next_timeout() for node in self.nodes]
-        times += [port.outward.next_timeout() for node in self.nodes for port in node.ports]
+        running = [node for node in self.nodes if not node.is_suspended]
+        times = [node.engine.next_timeout() for node in running]
+        times += [port.inward.next_timeout() for node in running for port in node.ports]
         times += [action[0] for action in self._actions[:1]]
         return min((time for time in times if time is not None), default=None)
 
