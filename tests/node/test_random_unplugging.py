@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from tests.services.network import Port
 
 LINKS = 3
-#: Virtual seconds with disturbances, and the longest one of a link or vehicle.
+#: Virtual seconds with disturbances, and the longest time of one disturbance.
 DISTURBED = 15.0
-LONGEST = 5.0
+MAX_DISTURBANCE = 5.0
 
 
 # In virtual time
@@ -57,7 +57,7 @@ class Disturbances:
             self.network.connect(self.ground, self.vehicle, random_impairment(self.random, worst_loss=0.2))
         for _ in range(8):
             begin = self.random.uniform(0, DISTURBED)
-            end = begin + self.random.uniform(0.01, LONGEST)
+            end = begin + self.random.uniform(0.01, MAX_DISTURBANCE)
             self.random.choice((self._unplug, self._suspend, self._cut, self._end))(begin, end)
 
     def _setup(self, engine) -> None:
@@ -110,7 +110,7 @@ def survive_disturbances(seed: int) -> None:
         operation = case.download(timeout=60)
         assert operation.error is None or isinstance(operation.error, ParameterTimeout)
         network.run(timeout=case.random.uniform(0.1, 3))
-    network.run(timeout=max(0.0, begin + DISTURBED + LONGEST - network.now))
+    network.run(timeout=max(0.0, begin + DISTURBED + MAX_DISTURBANCE - network.now))
     assert not case.unplugged
     assert {*engine.channels} == {port.channel for port in case.ground.ports}
     assert len(engine.channels) == LINKS
