@@ -63,6 +63,17 @@ def test_silence_counts_from_the_last_skipped_message() -> None:
     assert discovery.receive(attitude(55.1), START + 5.1) is not False  # it is back
 
 
+def test_skipped_messages_are_only_looked_up_when_heartbeats_are_missing() -> None:
+    discovery, looks = discovery_with_vehicle(), []
+    discovery.filters.before_reading = lambda: looks.append(None)
+    for second in range(1, 20):
+        discovery.receive(packet(common.Heartbeat(type=2, autopilot=3)), START + second)
+        discovery.handle_timeout(START + second)
+    assert not looks
+    discovery.handle_timeout(START + 24)
+    assert looks
+
+
 def test_reboot_between_two_analysed_messages_is_found() -> None:
     discovery = discovery_with_vehicle()
     for tenth in range(1, 100):

@@ -255,17 +255,27 @@ class Discovery(Service):
     def handle_timeout(self, now: float) -> None:
         if self._check_at is None or now < self._check_at:
             return
-        for system, component, seen_at in self.filters.last_seen():
-            info = self.components[Address(system, component)]
-            if info.last_seen < seen_at:
-                self.components[info.address] = replace(info, last_seen=seen_at)
-        for info in tuple(self.components.values()):
-            if info.alive and now >= info.last_seen + info.timeout:
+        # The filtered packets of hundreds of vehicles are noted only when they may keep one of them alive.
+        if self._silent(now):
+            self._note_filtered()
+            for info in self._silent(now):
                 self._lose(info, f"silent for {info.timeout:g} s")
         alive = (info for info in self.components.values() if info.alive)
         self._check_at = min((info.last_seen + info.timeout for info in alive), default=None)
         if self._check_at is not None and len(self.components) > MANY_COMPONENTS:
             self._check_at = max(self._check_at, now + MANY_INTERVAL)  # each check visits all components
+
+    def _silent(self, now: float) -> list[ComponentInfo]:
+        """Return the components that are alive, of which nothing was noted for their timeout."""
+        known = self.components.values()
+        return [info for info in known if info.alive and now >= info.last_seen + info.timeout]
+
+    def _note_filtered(self) -> None:
+        """Note the arrival of the packets that were not analysed."""
+        for system, component, seen_at in self.filters.last_seen():
+            info = self.components[Address(system, component)]
+            if info.last_seen < seen_at:
+                self.components[info.address] = replace(info, last_seen=seen_at)
 
     def _version_received(self, address: Address, version: AutopilotVersion, now: float) -> None:
         known = self.components[address]
