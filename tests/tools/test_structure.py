@@ -58,7 +58,7 @@ SUBJECTS = {
     "files/parameters": {"formats"},
     "files/plans": {"plan_cases", "round_trips"},
     "logs/packets": {"recordings"},
-    "node": {"both_drivers", "closing"},
+    "node": {"both_drivers", "closing", "lossy_streams", "random_unplugging"},
     "router": {"cases", "quarantine_reload"},
     "router/firewall/detectors": {"flights"},
     "services": {"vectors"},

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.parameters import encoding_of
+from mavstack.services.parameters import Encoding, encoding_of
 
 if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.services.parameters import Encoding
     from mavstack.services.version import AutopilotVersion
 
 
@@ -29,7 +28,9 @@ def has_packed_params(info: ComponentInfo | None, capabilities: int) -> bool:
 
 
 def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
-    """Return the encoding of parameter values: by capability, else the firmware's default."""
+    """Return the encoding of parameter values: of PX4 bytewise, of others by capability or by firmware."""
+    if is_px4(info):
+        return Encoding.BYTEWISE  # all versions, so that none is asked first
     return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)
 
 

@@ -18,15 +18,12 @@ from mavstack.errors import (
     RemoteProtocolError,
     RemoteTimeout,
 )
-from mavstack.files.parameter_metadata import (
-    MetadataCache,
-    parse_parameter_metadata,
-    read_metadata_file,
-)
+from mavstack.files.parameter_metadata import MetadataCache, parse_parameter_metadata, read_metadata_file
 from mavstack.node.api_object import ReadOnly
 from mavstack.node.firmware import (
     firmware_key,
     has_packed_params,
+    is_ardupilot,
     is_px4,
     param_encoding,
     saves_at_once,
@@ -61,7 +58,6 @@ if TYPE_CHECKING:
 
 #: Seconds to wait for a component's capabilities; then its heartbeat determines its parameter encoding.
 CAPABILITIES_TIMEOUT = 3.0
-_ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 #: Value of param 1 of MAV_CMD_PREFLIGHT_STORAGE.
 _SAVE_PARAMETERS: Final = 1
@@ -341,7 +337,7 @@ class Params(ReadOnly):
         except (ParameterDenied, ParameterTimeout) as error:
             info, renamed = self._clients.info, renaming_of(name)
             unknown = not isinstance(error, ParameterDenied) or error.code == _NO_SUCH_PARAMETER
-            if renamed is not None and unknown and info is not None and info.autopilot == _ARDUPILOT:
+            if renamed is not None and unknown and is_ardupilot(info):
                 error.status_texts = (*error.status_texts, renamed.hint)
             raise
 
@@ -363,12 +359,9 @@ class Params(ReadOnly):
         return self._client.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
-        # All versions of PX4 encode bytewise, and have no packed file.
-        if is_px4(self._clients.info):
-            self._client.encoding = Encoding.BYTEWISE
-        else:
+        if not is_px4(self._clients.info):  # no version of PX4 has a packed file either
             await self._find_version(budget)
-            self._client.encoding = param_encoding(self._clients.info, self._capabilities)
+        self._client.encoding = param_encoding(self._clients.info, self._capabilities)
 
     @property
     def _capabilities(self) -> int:
