@@ -8,6 +8,7 @@ from queue import Queue
 from typing import TYPE_CHECKING
 
 import pytest
+from pygnssutils import socket_server
 
 from mavstack import connect
 from mavstack.sim import BackgroundSimulator
@@ -16,7 +17,6 @@ from tests.gnss.test_rtcm import msm, station
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-socket_server = pytest.importorskip("pygnssutils.socket_server")
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(120)]
 
 

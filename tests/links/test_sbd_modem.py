@@ -100,6 +100,15 @@ def test_too_much_is_dropped():
     assert modem.statistics.dropped == 2
 
 
+def test_an_empty_packet_starts_no_session():
+    pair = Pair()
+    pair.run(1)
+    assert pair.program.send(b"", pair.now)
+    pair.run(600)
+    assert pair.program.statistics.sessions == pair.program.statistics.dropped == 0
+    assert pair.program.next_timeout() is None
+
+
 def test_a_modem_that_is_plugged_in_later():
     modem = SbdModem(0.0)
     assert modem.data_to_send() == b"ATE0\r"

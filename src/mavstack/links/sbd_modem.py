@@ -98,10 +98,12 @@ class SbdModem:
     # Interface to the program
 
     def send(self, packet: bytes, now: float) -> bool:
-        """Queue a packet; False if it, or an older one, was dropped."""
+        """Queue a packet; False if it, or an older one, was dropped. Nothing is sent for an empty one."""
         if len(packet) > MAX_SENT:
             self.statistics.dropped += 1
             return False
+        if not packet:  # modems refuse a message without bytes, which would be repeated without an end
+            return True
         if self._waiting and len(self._waiting[-1]) + len(packet) <= MAX_SENT:
             self._waiting[-1] += packet
         else:

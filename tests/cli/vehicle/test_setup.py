@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from mavstack.sim.vehicle_types import VehicleType
 from tests.cli.harness import CliHarness
 
@@ -23,6 +25,14 @@ def test_the_check_requests_the_home(mav, monkeypatch) -> None:
     CliHarness(monkeypatch, (VehicleType.COPTER, "px4"), ready=True)
     items = json.loads(mav("vehicle", "check", "--json").out)["items"]
     assert {each["name"]: each["text"] for each in items}["home"] == "set"
+
+
+@pytest.mark.parametrize("firmware", ["px4", "ardupilot"])
+def test_the_check_of_a_fresh_connection_has_position_and_charge(mav, monkeypatch, firmware) -> None:
+    CliHarness(monkeypatch, (VehicleType.COPTER, firmware), ready=True)
+    items = json.loads(mav("vehicle", "check", "--json").out)["items"]
+    states = {each["name"]: each["state"] for each in items}
+    assert (states["position"], states["charge"], states["ready to arm"]) == ("ok", "ok", "ok")
 
 
 def test_the_command(mav, monkeypatch) -> None:

@@ -5,19 +5,27 @@ It is advice from the parameters and the telemetry; the vehicle's own checks dec
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
+from mavstack.errors import MavstackError
 from mavstack.vehicle.firmware import firmware_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from mavstack.dialects import Message
     from mavstack.vehicle.vehicle import Vehicle
 
+#: The messages that the items of telemetry read.
+_REPORTS: Final = (common.GpsRawInt, common.SysStatus, common.BatteryStatus)
+#: Seconds to wait for one of them.
+_REPORT_TIMEOUT: Final = 5.0
 _MIN_SATELLITES: Final = 8
 _MIN_REMAINING: Final = 80
 #: The smallest GPS_FIX_TYPE of a fix that has an altitude.
@@ -155,7 +163,7 @@ _ROWS: Final[Mapping[int, tuple[_Row, ...]]] = MappingProxyType(
 
 
 async def first_flight(vehicle: Vehicle) -> tuple[CheckItem, ...]:
-    """Return the check list of a vehicle; parameters and home are requested if they are not known yet.
+    """Return the check list of a vehicle; parameters and reports that are not known yet are requested.
 
     Args:
         vehicle: The vehicle.
@@ -168,9 +176,22 @@ async def first_flight(vehicle: Vehicle) -> tuple[CheckItem, ...]:
     """
     if firmware_of(vehicle).FEATURES.get("parameters", True) and not vehicle.params.is_complete:
         await vehicle.params.download()
-    await vehicle.telemetry.request_home()  # vehicles send it by themselves only when it changes
+    await _request_reports(vehicle)
     values = {name: each.value for name, each in vehicle.params.cached.items()}
     return (*parameter_checks(int(vehicle.autopilot or 0), values), *_telemetry_checks(vehicle))
+
+
+async def _request_reports(vehicle: Vehicle) -> None:
+    """Request the reports that the check list reads, of those that have not arrived yet."""
+
+    async def request(kind: type[Message]) -> None:
+        with suppress(MavstackError):  # a vehicle without this sensor denies it
+            await vehicle.component.request_message(kind, timeout=_REPORT_TIMEOUT)
+
+    telemetry = vehicle.telemetry
+    missing = [kind for kind in _REPORTS if telemetry.latest(kind) is None]
+    # vehicles send their home by themselves only when it changes
+    await asyncio.gather(telemetry.request_home(), *map(request, missing))
 
 
 def parameter_checks(autopilot: int, values: Values) -> Iterator[CheckItem]:
