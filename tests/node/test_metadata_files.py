@@ -14,7 +14,7 @@ from mavstack.files.parameter_metadata import MetadataCache
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services import Address
-from mavstack.services.component_metadata import ServedMetadata
+from mavstack.services.component_metadata import PARAMETER_RULES, ServedMetadata
 from mavstack.services.ftp import FtpServer, MemoryStore, file_crc32
 from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import Vehicle, VehiclePair
@@ -232,3 +232,25 @@ def test_a_file_is_remembered_for_the_firmware(tmp_path):
     with_pair(load)
     with_pair(later)
     with_pair(other_firmware, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
+
+
+@pytest.mark.parametrize("problem", ["", "no locale", "no summary", "no TS file"])
+def test_a_translation(caplog, problem):
+    texts = {"/parameters/P_07/shortDesc": "Höhe"}
+    content = json.dumps(
+        {"parameters": [{"name": "P_07", "shortDesc": "Height"}], "translation": PARAMETER_RULES}
+    )
+    served = ServedMetadata("etc", {PARAMETER: ("p.json", content.encode())}, {PARAMETER: {"de_DE": texts}})
+    for name, path in (("no summary", "etc/p_summary.json.xz"), ("no TS file", "etc/p_de_DE.ts.xz")):
+        if name == problem:
+            del served.files[path]
+
+    async def work(pair: VehiclePair, params) -> None:
+        serve(pair, served.files, served.uri, served.crc)
+        locale = "fr_FR" if problem == "no locale" else "de_DE"
+        found = await params.download_metadata(cache=None, locale=locale)
+        assert found["P_07"].short_description == ("Height" if problem else "Höhe")
+        assert ("is not translated" in caplog.text) == bool(problem)
+        assert (await params.download_metadata(cache=None))["P_07"].short_description == "Height"
+
+    with_pair(work)

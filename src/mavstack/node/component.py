@@ -390,6 +390,7 @@ class RemoteComponent(ReadOnly):
         *,
         fetch: Callable[[str], bytes] | None = None,
         cache: MetadataCache | None = USER_CACHE,
+        locale: str | None = None,
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Mapping[int, EventDefinition]:
@@ -401,6 +402,7 @@ class RemoteComponent(ReadOnly):
             fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
                 thread. The URL comes from the component. None: such a file is refused.
             cache: Where files are kept by their CRC; None: nowhere.
+            locale: The locale of the texts, such as "de_DE", if they are translated; None: as they are.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -414,7 +416,8 @@ class RemoteComponent(ReadOnly):
             RemoteCancelled: The node was closed.
         """
         budget = TimeBudget(timeout, self._clients.host.now)
-        return await self._event_metadata.download(MetadataAccess(budget, cache, fetch, progress))
+        access = MetadataAccess(budget, cache, fetch, progress, locale=locale)
+        return await self._event_metadata.download(access)
 
     # Cameras and gimbals
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
@@ -25,9 +25,12 @@ from mavstack.services import Address
 from mavstack.services.component_metadata import (
     MAX_FILE,
     MetadataFile,
+    find_locale,
     has_crc,
     parse_general,
+    parse_translations,
     parse_uri,
+    translate_content,
     unpack_content,
 )
 from mavstack.services.ftp import FtpClient, FtpLocation
@@ -58,6 +61,8 @@ class MetadataAccess:
     progress: Progress | None = None
     #: True if files are read only from the cache, without a download.
     cached_only: bool = False
+    #: The locale to translate texts to, such as "de_DE"; None: texts as the component has them.
+    locale: str | None = None
 
 
 class MetadataFiles:
@@ -92,7 +97,28 @@ class MetadataFiles:
         file = self._files.get(kind)
         if file is None:
             raise self._denied("it has no such file")
-        return await self._read(file, access, parse)
+        texts = await self._translations(file, access)
+        if not texts:
+            return await self._read(file, access, parse)
+        return await self._read(file, access, lambda data, uri: parse(translate_content(data, texts), uri))
+
+    async def _translations(self, file: MetadataFile, access: MetadataAccess) -> Mapping[str, str]:
+        """Return the texts of the wanted locale by their places; none if they cannot be had."""
+        if access.locale is None:
+            return {}
+        problem = f"it has no translation to {access.locale}"
+        for uri in file.translation_sources:
+            try:
+                found = find_locale(await self._download(uri, None, access), access.locale)
+                if found is not None:
+                    return parse_translations(await self._download(found, None, access))
+            except RemoteCancelled:
+                raise  # the node was closed
+            except (RemoteError, MetadataError) as error:
+                problem = str(error)
+        # texts in another language are better than none, so the file is used as it is
+        _LOGGER.warning("metadata of %s is not translated: %s", self._clients.address, problem)
+        return {}
 
     async def _find_general(self, access: MetadataAccess) -> MetadataFile:
         """Ask for the general file, in the older way if the component refuses the current one."""

@@ -250,6 +250,7 @@ class Params(ReadOnly):
         fetch: Callable[[str], bytes] | None = None,
         cache: MetadataCache | None = USER_CACHE,
         cached_only: bool = False,
+        locale: str | None = None,
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> MetadataTable:
@@ -263,6 +264,7 @@ class Params(ReadOnly):
                 thread. The URL comes from the component. None: such a file is refused.
             cache: Where files are kept by their CRC; None: nowhere.
             cached_only: Do not download a file: take one from the cache, or fail.
+            locale: The locale of the texts, such as "de_DE", if they are translated; None: as they are.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -276,7 +278,7 @@ class Params(ReadOnly):
             RemoteCancelled: The node was closed.
         """
         budget = TimeBudget(timeout, self._clients.host.now)
-        access = MetadataAccess(budget, cache, fetch, progress, cached_only)
+        access = MetadataAccess(budget, cache, fetch, progress, cached_only, locale)
         try:
             found = await self._metadata_files.get(
                 common.CompMetadataType.PARAMETER, access, parse_parameter_metadata

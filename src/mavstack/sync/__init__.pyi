@@ -3092,7 +3092,7 @@ class Params:
             RemoteCancelled: The node was closed.
         """
 
-    def download_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., cached_only: bool=False, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
+    def download_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., cached_only: bool=False, locale: str | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> MetadataTable:
         """Download the metadata of the parameters (COMPONENT_METADATA, MAVLink FTP), unless it is cached.
 
         For a component without metadata, such as ArduPilot's, the file is used that `load_metadata` stored
@@ -3103,6 +3103,7 @@ class Params:
                 thread. The URL comes from the component. None: such a file is refused.
             cache: Where files are kept by their CRC; None: nowhere.
             cached_only: Do not download a file: take one from the cache, or fail.
+            locale: The locale of the texts, such as "de_DE", if they are translated; None: as they are.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -3564,7 +3565,7 @@ class RemoteComponent:
             InvalidArgumentError: The severity is not from 0 to 9.
         """
 
-    def download_event_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[int, EventDefinition]:
+    def download_event_metadata(self, *, fetch: Callable[[str], bytes] | None=None, cache: MetadataCache | None=..., locale: str | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Mapping[int, EventDefinition]:
         """Download the definitions of the events (COMPONENT_METADATA, MAVLink FTP), unless they are cached.
 
         Streams and listeners do so by themselves, unless the definitions are on a web server.
@@ -3573,6 +3574,7 @@ class RemoteComponent:
             fetch: Returns the content of a URL, for components whose metadata is on a web server; called in a
                 thread. The URL comes from the component. None: such a file is refused.
             cache: Where files are kept by their CRC; None: nowhere.
+            locale: The locale of the texts, such as "de_DE", if they are translated; None: as they are.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 

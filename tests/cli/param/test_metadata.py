@@ -56,6 +56,14 @@ def test_get_describes_a_parameter_of_px4(mav, px4):
     )
 
 
+def test_get_describes_in_another_language(mav, px4, caplog):
+    result = mav("param", "get", "-v", "RTL_RETURN_ALT", "--locale", "de_DE")
+    assert "    Mindesthöhe der Rückkehr über dem Startplatz.\n" in result.out
+    result = mav("param", "get", "-v", "RTL_RETURN_ALT", "--locale", "fr_FR")
+    assert "    Height above home at which the vehicle returns" in result.out
+    assert "is not translated: it has no translation to fr_FR" in caplog.text
+
+
 def test_get_describes_as_json(mav, px4):
     [printed] = json.loads(mav("param", "get", "--describe", "SYS_AUTOSTART", "--json").out)
     assert (printed["name"], printed["value"]) == ("SYS_AUTOSTART", 10040)

@@ -29,12 +29,17 @@ _WIDTH: Final = 100
 
 
 def add_metadata_option(parser: ArgumentParser) -> None:
-    """Declare `--metadata`."""
+    """Declare `--metadata` and `--locale`."""
     parser.add_argument(
         "--metadata",
         metavar="FILE",
         help="descriptions and ranges from a file of the firmware project (apm.pdef.xml, apm.pdef.json, "
         "parameters.json, parameters.xml); remembered for this firmware (default: from the vehicle)",
+    )
+    parser.add_argument(
+        "--locale",
+        metavar="NAME",
+        help="translate the descriptions of the vehicle, such as de_DE, if it has a translation",
     )
 
 
@@ -67,10 +72,10 @@ async def _find(vehicle: Vehicle, arguments: Namespace, timeout: float | None) -
     params = vehicle.params
     if arguments.metadata is not None:
         return await params.load_metadata(arguments.metadata, remember=True)
-    if params.metadata:
+    if params.metadata and arguments.locale is None:
         return params.metadata
     with TransferProgress("downloading descriptions") as progress:
-        return await params.download_metadata(timeout=timeout, progress=progress)
+        return await params.download_metadata(locale=arguments.locale, timeout=timeout, progress=progress)
 
 
 def description_lines(parameter: Parameter, metadata: ParameterMetadata | None) -> Iterator[str]:

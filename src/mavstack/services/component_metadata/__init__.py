@@ -7,7 +7,7 @@ The message names the general file by a URI, which MAVLink FTP serves (`mftp://e
 and the general file names the others, which may also lie on a web server. The older COMPONENT_INFORMATION
 names a general file too. Files may be compressed (xz). A CRC-32 tells a ground station whether it has a file
 already; components compute it over the file as it is served or over its uncompressed content (PX4 does the
-latter for the general file alone), so both are accepted.
+latter for the general file alone), so both are accepted. A file may have translations (`translation.py`).
 
 The files come from outside: sizes are checked before and while they are decompressed, and every problem is a
 `MetadataError`.
@@ -20,6 +20,14 @@ from mavstack.services.component_metadata.served import (
     GENERAL_NAME,
     ServedMetadata,
     provide_component_metadata,
+    summary_name,
+    translation_name,
+)
+from mavstack.services.component_metadata.translation import (
+    PARAMETER_RULES,
+    find_locale,
+    parse_translations,
+    translate_content,
 )
 from mavstack.services.component_metadata.uri import parse_uri
 
@@ -27,12 +35,18 @@ __all__ = [
     "GENERAL_NAME",
     "MAX_CONTENT",
     "MAX_FILE",
+    "PARAMETER_RULES",
     "MetadataFile",
     "ServedMetadata",
+    "find_locale",
     "has_crc",
     "parse_general",
     "parse_json",
+    "parse_translations",
     "parse_uri",
     "provide_component_metadata",
+    "summary_name",
+    "translate_content",
+    "translation_name",
     "unpack_content",
 ]

@@ -23,6 +23,8 @@ class MetadataFile:
         crc: Its CRC-32; None if its content may change.
         fallback_uri: Where it is if the first place has none; empty if nowhere.
         fallback_crc: The CRC-32 of the file there, or None.
+        translation_uri: Where the summary of its translations is; empty if nowhere.
+        translation_fallback_uri: Where the summary is if the first place has none; empty if nowhere.
     """
 
     type: int
@@ -30,12 +32,19 @@ class MetadataFile:
     crc: int | None = None
     fallback_uri: str = ""
     fallback_crc: int | None = None
+    translation_uri: str = ""
+    translation_fallback_uri: str = ""
 
     @property
     def sources(self) -> tuple[tuple[str, int | None], ...]:
         """The places of the file with the CRC of each, in the order in which they are tried."""
         places = ((self.uri, self.crc), (self.fallback_uri, self.fallback_crc))
         return tuple(place for place in places if place[0])
+
+    @property
+    def translation_sources(self) -> tuple[str, ...]:
+        """The places of the summary of its translations, in the order in which they are tried."""
+        return tuple(filter(None, (self.translation_uri, self.translation_fallback_uri)))
 
     def to_json(self) -> dict[str, object]:
         """Return the entry of a general file."""
@@ -44,6 +53,8 @@ class MetadataFile:
             "fileCrc": self.crc,
             "uriFallback": self.fallback_uri or None,
             "fileCrcFallback": self.fallback_crc,
+            "translationUri": self.translation_uri or None,
+            "translationUriFallback": self.translation_fallback_uri or None,
         }
         return entry | {key: value for key, value in optional.items() if value is not None}
 
@@ -68,16 +79,22 @@ def parse_general(content: bytes) -> dict[int, MetadataFile]:
 
 
 def _file(entry: dict[str, Any]) -> MetadataFile | None:
-    kind, uri, fallback = entry.get("type"), entry.get("uri"), entry.get("uriFallback")
-    if type(kind) is not int or not isinstance(uri, str) or not uri:
+    kind, uri = entry.get("type"), _uri(entry.get("uri"))
+    if type(kind) is not int or not uri:
         return None
     return MetadataFile(
         kind,
         uri,
         _crc(entry.get("fileCrc")),
-        fallback if isinstance(fallback, str) else "",
+        _uri(entry.get("uriFallback")),
         _crc(entry.get("fileCrcFallback")),
+        _uri(entry.get("translationUri")),
+        _uri(entry.get("translationUriFallback")),
     )
+
+
+def _uri(value: object) -> str:
+    return value if isinstance(value, str) else ""
 
 
 def _crc(value: object) -> int | None:

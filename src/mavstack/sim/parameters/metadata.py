@@ -8,7 +8,7 @@ parameter per line, in sections by vehicle type:
 
 A name may be a series, as in the tables. `FLAGS` are `reboot`, `read-only` and `bits` (the values are numbers
 of bits). Units, ranges and numbers are those of the firmwares. Every other parameter is listed with its type
-and its default.
+and its default. PX4's have a translation of some descriptions, in `px4.de_DE.txt`: `NAME | TEXT`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,13 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.files.parameter_metadata.component_json import to_json
-from mavstack.services.component_metadata import GENERAL_NAME, ServedMetadata
+from mavstack.services.component_metadata import (
+    GENERAL_NAME,
+    PARAMETER_RULES,
+    ServedMetadata,
+    summary_name,
+    translation_name,
+)
 from mavstack.services.ftp import VirtualFile
 from mavstack.services.parameters import ParameterMetadata
 from mavstack.sim.event_metadata import event_metadata
@@ -40,6 +46,8 @@ if TYPE_CHECKING:
 FOLDERS: Final[Mapping[Firmware, str]] = MappingProxyType(
     {Firmware.PX4: "etc/extras", Firmware.ARDUPILOT: "@ROMFS/metadata"}
 )
+#: The locale of the translation.
+LOCALE: Final = "de_DE"
 _FILE: Final = "parameters.json"
 _EVENTS_FILE: Final = "all_events.json"
 _VERSION: Final = 3
@@ -50,11 +58,13 @@ _SCHEMA_TYPES: Final[Mapping[int, str]] = MappingProxyType({common.MavParamType.
 @cache
 def served_metadata(firmware: Firmware, vehicle_type: VehicleType) -> ServedMetadata:
     """Return the metadata files of a vehicle: the same for all vehicles of a firmware and a type."""
-    content = json.dumps({"version": _VERSION, "parameters": list(_entries(firmware, vehicle_type))})
+    document = {"version": _VERSION, "parameters": list(_entries(firmware, vehicle_type))}
+    content = json.dumps({**document, "translation": PARAMETER_RULES})
     contents = {int(common.CompMetadataType.PARAMETER): (_FILE, content.encode())}
     if firmware is Firmware.PX4:
         contents[common.CompMetadataType.EVENTS] = (_EVENTS_FILE, event_metadata())
-    return ServedMetadata(FOLDERS[firmware], contents)
+    translations = {int(common.CompMetadataType.PARAMETER): _translations(firmware)}
+    return ServedMetadata(FOLDERS[firmware], contents, translations)
 
 
 def metadata_files(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, VirtualFile]:
@@ -64,7 +74,9 @@ def metadata_files(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, V
         path = f"{FOLDERS[firmware]}/{name}.xz"
         return VirtualFile(lambda query: served_metadata(firmware, vehicle_type).files[path])
 
-    names = (GENERAL_NAME, _FILE, *((_EVENTS_FILE,) if firmware is Firmware.PX4 else ()))
+    names = [GENERAL_NAME, _FILE]
+    if firmware is Firmware.PX4:
+        names += [_EVENTS_FILE, summary_name(_FILE), translation_name(_FILE, LOCALE)]
     return {f"{FOLDERS[firmware]}/{name}.xz": file(name) for name in names}
 
 
@@ -83,6 +95,15 @@ def described(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, Parame
         elif applies and line and not line.startswith("#"):
             found.update((each.name, each) for each in _parse(line, number))
     return found
+
+
+def _translations(firmware: Firmware) -> dict[str, dict[str, str]]:
+    """Return the translated descriptions by locale, then by their places in the file."""
+    if firmware is not Firmware.PX4:
+        return {}
+    text = (files(__package__) / "descriptions" / f"{firmware}.{LOCALE}.txt").read_text(encoding="utf-8")
+    rows = (line.split(" | ") for line in text.splitlines() if not line.startswith("#"))
+    return {LOCALE: {f"/parameters/{name}/shortDesc": words for name, words in rows}}
 
 
 def _entries(firmware: Firmware, vehicle_type: VehicleType) -> Iterator[dict[str, object]]:
