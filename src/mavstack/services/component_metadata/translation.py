@@ -79,7 +79,7 @@ def parse_translations(data: bytes) -> dict[str, str]:
         data: The file; it may be compressed.
 
     Returns:
-        The texts; those that nobody has translated yet are left out.
+        The texts; those without a translation yet are left out.
 
     Raises:
         MetadataError: The file is not a TS file.
