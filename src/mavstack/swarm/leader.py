@@ -51,13 +51,17 @@ class LeaderFrame:
     Args:
         course: Direction at the start in degrees.
         turn_rate: Largest turning rate in degrees a second.
+        course_time: Time constant in seconds with which the course approaches the direction of the velocity.
     """
 
-    def __init__(self, course: float = 0.0, turn_rate: float = 20.0) -> None:
+    def __init__(
+        self, course: float = 0.0, turn_rate: float = 20.0, course_time: float = COURSE_TIME
+    ) -> None:
         if not turn_rate > 0.0:
             raise InvalidArgumentError(f"turn_rate must be more than 0 degrees a second, got {turn_rate:g}")
         self.course = course
         self.turn_rate = turn_rate
+        self._course_time = course_time
         self._rate = 0.0
         self._position: Points = np.zeros(3)
         self._velocity: Points = np.zeros(3)
@@ -73,6 +77,10 @@ class LeaderFrame:
         """
         self._position, self._velocity = np.asarray(position, float), np.asarray(velocity, float)
         self._measured_at = now
+
+    def turn(self, degrees: float) -> None:
+        """Turn the course by what the leader has turned, beside what its velocity says."""
+        self.course = (self.course + degrees) % 360.0
 
     def slots(self, offsets: Points, now: float) -> tuple[Points, Points]:
         """Return where the slots are and how they move.
@@ -98,7 +106,7 @@ class LeaderFrame:
         if not (0.0 < step < math.inf) or math.hypot(north, east) < MIN_COURSE_SPEED:
             return
         error = math.remainder(math.degrees(math.atan2(east, north)) - self.course, 360.0)
-        wanted = error * min(1.0, step / COURSE_TIME)
+        wanted = error * min(1.0, step / self._course_time)
         change = math.copysign(min(abs(wanted), self.turn_rate * step), wanted)
         self.course = (self.course + change) % 360.0
         self._rate = change / step

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, degrees, radians, sin
+from math import atan2, cos, degrees, radians, remainder, sin
 
 import pytest
 
@@ -91,3 +91,28 @@ def test_places_are_those_of_the_time_of_sending():
         assert moved == pytest.approx([last.vx * 0.0015, last.vy * 0.0015, last.vz * 0.0015], abs=0.02)
     assert place.relative_alt == 20_000 + place.alt - last.alt == pytest.approx(20_150, abs=20)
     assert tuple(target.vel) == pytest.approx((last.vx / 100.0, last.vy / 100.0, last.vz / 100.0))
+
+
+def steering_errors(noise, rate=0.0, offset=0.0):
+    """Return the errors of the course of a leader that steers, whose velocity is wrong by some degrees."""
+    motion, found, course = LeaderMotion(FRAME, steers=True), [], 30.0
+    for step in range(150):
+        now = step * INTERVAL
+        wrong = course + noise * sin(2.0 * now)
+        heading = round(100.0 * (course + offset)) % 36_000
+        motion.update(position(now, 0.0, 0.0, wrong).replace(hdg=heading), now)
+        assert list(motion.messages(now))
+        found.append(remainder(motion.course - course, 360.0))
+        course += rate * INTERVAL
+    return found
+
+
+@pytest.mark.parametrize("rate", [0.0, 8.0, -8.0])
+def test_the_course_of_a_leader_that_steers_turns_with_its_heading(rate):
+    assert max(map(abs, steering_errors(4.0, rate))) < 0.5
+
+
+def test_a_heading_that_is_wrong_is_corrected_by_the_velocity():
+    errors = steering_errors(0.0, offset=20.0)
+    assert errors[0] == pytest.approx(20.0, abs=1.0)
+    assert abs(errors[-1]) < 1.0

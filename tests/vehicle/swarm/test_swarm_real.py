@@ -10,6 +10,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
+from mavstack.dialects import common
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
@@ -79,13 +80,13 @@ async def lead(vehicle, seconds, rate):
             await asyncio.sleep(0.1)
 
 
-async def gaps(leader, follower, seconds):
-    """Return the distances of a follower from the place 10 m behind its leader's course."""
+async def gaps(leader, follower, body, seconds):
+    """Return the distances of a follower from the place 10 m behind its leader's true course."""
     vehicles, found = [Member(leader), Member(follower)], []
     for _ in range(round(10 * seconds)):
         await asyncio.sleep(0.1)
         states = read_states(vehicles, FRAME, leader.connection.now())
-        motion = states.velocities[0, :2]
+        motion = np.array(body.truth[3:5])
         slot = states.positions[0, :2] - 10.0 * motion / np.linalg.norm(motion)
         found.append(float(np.linalg.norm(states.positions[1, :2] - slot)))
     return found
@@ -102,14 +103,15 @@ def test_a_real_ardurover_keeps_its_slot_in_follow_mode(firmware):
     )
     latitude, longitude, _ = FRAME.to_global(12.0, 0.0, 0.0)
     simulator = BackgroundSimulator(count=0)
-    simulator.simulation.add(
+    body = simulator.simulation.add(
         VehicleType.ROVER, Firmware.ARDUPILOT, home=Home(latitude, longitude, DEFAULT_HOME.altitude), system=2
-    )
+    ).body
 
     async def scenario():
         async with connect(flight.url, simulator.url) as connection:
             follower, leader = [await connection.wait_for_vehicle(each, timeout=90) for each in (1, 2)]
             for vehicle in (follower, leader):
+                await vehicle.set_message_rate(common.GlobalPositionInt, 10.0)
                 await vehicle.wait_until_ready()
                 await vehicle.arm()
             following = asyncio.create_task(
@@ -118,11 +120,11 @@ def test_a_real_ardurover_keeps_its_slot_in_follow_mode(firmware):
             await wait_until(lambda: follower.mode == "FOLLOW", interval=0.05, now=connection.now)
             leading = asyncio.create_task(lead(leader, 24.0, 0.0))
             await asyncio.sleep(15.0)
-            straight = await gaps(leader, follower, 8.0)
+            straight = await gaps(leader, follower, body, 8.0)
             await leading
             leading = asyncio.create_task(lead(leader, 18.0, 5.0))
             await asyncio.sleep(4.0)
-            turning = await gaps(leader, follower, 13.0)
+            turning = await gaps(leader, follower, body, 13.0)
             await leading
             following.cancel()
             with suppress(asyncio.CancelledError):

@@ -115,7 +115,8 @@ class _RadioFlight:
         here = await self._leader.wait_for_message(common.GlobalPositionInt)
         self._frame = LocalFrame(here.lat / 1e7, here.lon / 1e7, 0.0)
         on_surface = all(vehicle.vehicle_type in SURFACE for vehicle in self._places)
-        self._motion = LeaderMotion(self._frame, SURFACE_GAIN if on_surface else None)
+        steers = self._leader.vehicle_type in SURFACE
+        self._motion = LeaderMotion(self._frame, SURFACE_GAIN if on_surface else None, steers=steers)
         self._motion.update(here, self._now())
         await asyncio.gather(*(self._request_position(vehicle) for vehicle in self._places))
         own, leader = self._leader.connection.address.system, self._leader.system

@@ -11,6 +11,11 @@ rate ω. Its error is then the cross product of ω and r, divided by the gain k 
 heading that is ahead by ω / k moves the slot by just that, which cancels this error for followers at any
 offset by one message to all. The lag of the course is added to it. Only a large gain makes the angle small
 enough for this.
+
+The direction of a slow vehicle's velocity is noisy: 0.04 m/s across 1.5 m/s are 1.5 degrees, by which a slot
+10 m behind it moves by 0.3 m. Vehicles that steer turn their heading with their course, and a heading is
+known much better over some seconds. The course of such a leader turns with its heading, and the velocity
+corrects it slowly, which takes out crab angles and errors of the compass.
 """
 
 from __future__ import annotations
@@ -37,6 +42,8 @@ _CAPABILITIES: Final = 1 | 2 | 8
 _UNKNOWN_HEADING: Final = 65_535
 #: Time constant in seconds of the measured turning rate.
 _RATE_TIME: Final = 1.0
+#: Time constant in seconds with which the velocity corrects the course of a leader that steers.
+_STEERED_COURSE_TIME: Final = 8.0
 #: The largest angle in degrees by which a heading is ahead of the course.
 _MAX_AHEAD: Final = 45.0
 
@@ -47,12 +54,15 @@ class LeaderMotion:
     Args:
         frame: A local frame near the leader, with its origin at height 0 above the sea.
         gain: The gain in 1/s by which all followers correct their positions; None: headings are the course.
+        steers: True for a leader that turns its heading with its course, as rovers and boats do.
     """
 
-    def __init__(self, frame: LocalFrame, gain: float | None = None) -> None:
-        self._frame = frame
+    def __init__(self, frame: LocalFrame, gain: float | None = None, *, steers: bool = False) -> None:
+        self._frame, self._steers = frame, steers
+        self._heading: float | None = None
         #: Seconds of turning by which headings are ahead of the course.
-        self._ahead = 0.0 if gain is None else 1.0 / gain + COURSE_TIME
+        lag = 0.0 if steers else COURSE_TIME
+        self._ahead = 0.0 if gain is None else 1.0 / gain + lag
         #: Degrees per second, smoothed.
         self._turning = 0.0
         self._measured_course = 0.0
@@ -76,10 +86,19 @@ class LeaderMotion:
         north, east, down = self._frame.to_local(message.lat / 1e7, message.lon / 1e7, message.alt / 1e3)
         if self._leader is None:
             heading = 0.0 if message.hdg == _UNKNOWN_HEADING else message.hdg / 100.0
-            self._leader = LeaderFrame(heading, TURN_RATE)
+            course_time = _STEERED_COURSE_TIME if self._steers else COURSE_TIME
+            self._leader = LeaderFrame(heading, TURN_RATE, course_time)
+        if self._steers:
+            self._turn_with_heading(self._leader, message.hdg)
         velocity = np.array((message.vx, message.vy, -message.vz)) / 100.0
         self._leader.update(np.array((north, east, -down)), velocity, now)
         self._last, self._received_at = message, now
+
+    def _turn_with_heading(self, leader: LeaderFrame, hdg: int) -> None:
+        """Turn the course by the change of the heading, which is in hundredths of a degree."""
+        before, self._heading = self._heading, None if hdg == _UNKNOWN_HEADING else hdg / 100.0
+        if before is not None and self._heading is not None:
+            leader.turn(remainder(self._heading - before, 360.0))
 
     def slot(self, offset: tuple[float, float, float], now: float) -> Points:
         """Return the place of a follower in metres north, east, up of the frame."""
