@@ -276,3 +276,29 @@ def test_an_old_setpoint_is_refused_and_counted() -> None:
             assert (inlet.accepted, inlet.refused) == (1, 3)
 
     fly(COPTER, scenario)
+
+
+def test_a_setpoint_that_the_network_held_back_is_refused() -> None:
+    """Its type has no header, so that only the publisher's time shows its age."""
+
+    async def scenario(world: World, vehicle: Vehicle) -> None:
+        import time
+
+        sink = MemorySink()
+        await vehicle.get_position()
+        async with bridge(world, sink):
+            inlet = sink.inlets["/mavros/setpoint_velocity/cmd_vel_unstamped"]
+            sample = codec_of(inlet.type).encode_fields({})
+            ahead = time.time_ns() + 3_600_000_000_000  # the publisher's clock is wrong by an hour
+            assert inlet.receive(sample, "script", ahead)
+            assert not inlet.receive(sample, "script", ahead - 600_000_000)
+            assert inlet.last_reason.startswith("the sample arrived 0.6 s later than others of its publisher")
+            assert inlet.receive(sample, "script", ahead - 300_000_000)
+            assert inlet.receive(sample, "another", ahead - 600_000_000)
+            assert inlet.receive(sample, "script", 0)
+            states = sink.inlets["/mavros/statustext/send"]
+            text = codec_of(states.type).encode_fields({"text": "hello"})
+            assert states.receive(text, "script", ahead)
+            assert states.receive(text, "script", ahead - 5_000_000_000)
+
+    fly(COPTER, scenario)

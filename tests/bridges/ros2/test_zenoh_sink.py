@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import pytest
 
 from mavstack.bridges.core.types import codec_of, message_text, type_hash
 from mavstack.bridges.core.types.definitions import definition_text
-from mavstack.bridges.ros2.zenoh_keys import key_of, parse_attachment
+from mavstack.bridges.ros2.zenoh_keys import attachment_of, key_of, parse_attachment
 from mavstack.bridges.ros2.zenoh_sink import ZenohSink
 from mavstack.errors import LinkError
 from mavstack.sim.background import BackgroundSimulator
@@ -180,6 +181,24 @@ def test_what_others_send_ends_nothing(router: int) -> None:
         state = vehicle.mapper.topics["state"]
         before = state.published
         await until(lambda: state.published > before)
+        session.close()
+
+    run(router, scenario)
+
+
+def test_a_setpoint_that_the_network_held_back_is_refused(router: int) -> None:
+    async def scenario(connection: Any, bridge: Any, sink: ZenohSink) -> None:
+        inlets = {inlet.row.name: inlet for inlet in bridge.vehicles[1].inlets}
+        inlet = inlets["setpoint_velocity/cmd_vel_unstamped"]
+        await until(lambda: not bridge._attaching)
+        session = zenoh_client(router)
+        sample, key = codec_of(inlet.type).encode_fields({}), key_of(0, inlet.name, inlet.type)
+        stamp, gid = time.time_ns(), bytes(range(16))
+        for number, late in enumerate((0, 5_000_000_000)):
+            session.put(key, sample, attachment=attachment_of(number, stamp - late, gid))
+        await until(lambda: inlet.accepted + inlet.refused == 2)
+        assert (inlet.accepted, inlet.refused) == (1, 1)
+        assert "later than others of its publisher" in inlet.last_reason
         session.close()
 
     run(router, scenario)

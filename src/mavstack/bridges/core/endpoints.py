@@ -8,9 +8,11 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from mavstack.bridges.core.freshness import Freshness
+from mavstack.bridges.core.inbound import MAX_AGE
 from mavstack.bridges.core.services.refusals import refused
 from mavstack.bridges.core.types import codec_of, definition_of
-from mavstack.errors import CdrError, InvalidStateError, MavstackError
+from mavstack.errors import CdrError, InvalidArgumentError, InvalidStateError, MavstackError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -64,6 +66,7 @@ class Inlet:
         self._now = now
         self._reject = reject
         self._codec = codec_of(row.type)
+        self._freshness = Freshness()
 
     @property
     def type(self) -> str:
@@ -75,11 +78,22 @@ class Inlet:
         """The profile."""
         return self.row.qos
 
-    def receive(self, payload: bytes) -> bool:
-        """Pass a sample in CDR to the vehicle; return whether it was accepted."""
+    def receive(self, payload: bytes, source: str = "", sent: int = 0) -> bool:
+        """Pass a sample in CDR to the vehicle.
+
+        Args:
+            payload: The sample.
+            source: The publisher.
+            sent: When the publisher sent it, in nanoseconds of its own clock; 0: not known.
+
+        Returns:
+            Whether it was accepted.
+        """
         try:
+            if sent > 0 and self.row.stream:
+                self._check_delay(source, sent)
             fields = self._codec.decode_fields(payload)
-        except CdrError as error:
+        except (CdrError, InvalidArgumentError) as error:
             return self._refuse(error)
         return self.receive_fields(fields)
 
@@ -95,6 +109,15 @@ class Inlet:
             return self._refuse(error)
         self.accepted += 1
         return True
+
+    def _check_delay(self, source: str, sent: int) -> None:
+        """Raise InvalidArgumentError if the network held a sample back; some types have no header."""
+        age = self._freshness.age(source, sent / 1e9, self._now() / 1e9)
+        if age > MAX_AGE / 1e9:
+            raise InvalidArgumentError(
+                f"the sample arrived {age:.1f} s later than others of its publisher, "
+                "at most 0.5 s are allowed"
+            )
 
     def _refuse(self, error: Exception) -> bool:
         self.refused += 1

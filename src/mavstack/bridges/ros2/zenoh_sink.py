@@ -36,6 +36,7 @@ from mavstack.bridges.ros2.zenoh_keys import (
     gid_of,
     key_of,
     node_token,
+    parse_attachment,
     parse_token,
 )
 from mavstack.errors import CdrError
@@ -82,7 +83,7 @@ class ZenohSink:
             LinkError: No router answers.
         """
         loop = asyncio.get_running_loop()
-        self._samples: Handoff[tuple[Inlet, bytes]] = Handoff(loop, _receive_sample)
+        self._samples: Handoff[tuple[Inlet, bytes, bytes]] = Handoff(loop, _receive_sample)
         self._requests: Handoff[tuple[ServiceEndpoint, str, Any]] = Handoff(loop, self._on_request)
         self._matches: Handoff[tuple[_TopicPublisher, bool]] = Handoff(loop, _set_matching)
         self._outgoing = PutQueue(loop.call_soon)
@@ -151,7 +152,8 @@ class ZenohSink:
         put = self._samples.put
 
         def receive(sample: Any) -> None:  # noqa: ANN401 (a type of Zenoh)
-            put((inlet, bytes(sample.payload)))
+            attachment = sample.attachment
+            put((inlet, bytes(sample.payload), b"" if attachment is None else bytes(attachment)))
 
         self._kept.append(self._session.declare_subscriber(key, direct(self._zenoh, receive)))
 
@@ -244,9 +246,10 @@ class _TopicPublisher:
             self._outgoing.add(self._put, payload, attachment)
 
 
-def _receive_sample(item: tuple[Inlet, bytes]) -> None:
-    inlet, payload = item
-    inlet.receive(payload)
+def _receive_sample(item: tuple[Inlet, bytes, bytes]) -> None:
+    inlet, payload, attachment = item
+    _, sent, gid = parse_attachment(attachment) or (0, 0, b"")
+    inlet.receive(payload, gid.hex(), sent)
 
 
 def _set_matching(item: tuple[_TopicPublisher, bool]) -> None:

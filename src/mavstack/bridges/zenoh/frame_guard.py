@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
-from mavstack.bridges.zenoh.freshness import Freshness
+from mavstack.bridges.core.freshness import Freshness
 from mavstack.dialects import common
 from mavstack.security.roles import Role, RoleFilter
 from mavstack.services import message_ids, target_of

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.bridges.zenoh.freshness import MAX_SOURCES, RESET_TIME, Freshness
+from mavstack.bridges.core.freshness import MAX_SOURCES, RESET_TIME, Freshness
 
 
 @given(offset=st.floats(-1e9, 1e9), delays=st.lists(st.floats(0.0, 20.0), min_size=1, max_size=30))
