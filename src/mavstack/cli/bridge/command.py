@@ -36,7 +36,8 @@ _NOTE: Final = """
 A bridge only observes unless --allow-control is given. It runs until Ctrl-C.
 """
 #: Seconds for which received packets may wait, so that several are handled together at a high packet rate.
-_INPUT_INTERVAL: Final = 0.002
+#: The event loop adds up to a millisecond, for it waits for whole ones.
+_INPUT_INTERVAL: Final = 0.0015
 _ROLES: Final = tuple(role.word for role in Role if role is not Role.OBSERVE)
 
 
