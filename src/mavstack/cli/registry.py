@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn, Protocol, ca
 from mavstack.cli.common.interrupted_imports import ended_by_sigint
 from mavstack.cli.common.log_output import add_logging_options
 from mavstack.cli.common.output import terminal_width
+from mavstack.cli.common.wrapping import UNLIMITED, example_that_fits, terminal_columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -120,6 +121,12 @@ class CommandParser(ArgumentParser):
         options["formatter_class"] = partial(formatter, width=terminal_width() - 2)
         super().__init__(*arguments, **options)
         self._negative_number_matcher = re.compile(r"-\.?\d")
+
+    def format_help(self) -> str:
+        """Return the help page; in a narrow terminal the comments of long examples are above them."""
+        columns = terminal_columns(UNLIMITED)
+        lines = super().format_help().split("\n")
+        return "\n".join(part for line in lines for part in example_that_fits(line, columns))
 
     def error(self, message: str) -> NoReturn:
         """End with the problem that argparse found, and name `--url` if a link is too much."""

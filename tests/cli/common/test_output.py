@@ -7,7 +7,7 @@ from io import StringIO
 
 import pytest
 
-from mavstack.cli.common.output import coloured, echo, fitted_lines, terminal_width
+from mavstack.cli.common.output import coloured, echo, terminal_width
 
 LONG = "mav vehicle: going to 47.0, 8.0 with 1/1 failed: DENIED (the target is 19,321 km away)"
 
@@ -75,43 +75,3 @@ def test_a_pipe_has_80_columns(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     monkeypatch.setattr("sys.stdout", StringIO())
     assert terminal_width() == 80
-
-
-ROWS = (("imu/data", "from vehicle", "sensor_msgs/Imu"), ("state", "from vehicle", ""))
-
-
-def test_a_table_that_fits_has_one_line_for_each_row(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "50")
-    monkeypatch.setattr("sys.stdout", Terminal())
-    lines = list(fitted_lines(("NAME", "KIND", "TYPE"), ROWS))
-    assert lines == [
-        "NAME      KIND          TYPE",
-        "imu/data  from vehicle  sensor_msgs/Imu",
-        "state     from vehicle",
-    ]
-
-
-def test_a_table_that_is_too_wide_has_the_other_cells_below_the_first(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "50")
-    monkeypatch.setattr("sys.stdout", Terminal())
-    long = ("odometry/in", "from vehicle\x1b", "nav_msgs/Odometry ODOMETRY of the estimator")
-    lines = list(fitted_lines(("NAME", "KIND", "TYPE"), (*ROWS, long)))
-    assert lines[:6] == [
-        "NAME",
-        "    KIND  TYPE",
-        "imu/data",
-        "    from vehicle  sensor_msgs/Imu",
-        "state",
-        "    from vehicle",
-    ]
-    assert lines[6:] == [
-        "odometry/in",
-        "    from vehicle�  nav_msgs/Odometry ODOMETRY of",
-        "    the estimator",
-    ]
-
-
-def test_a_pipe_gets_one_line_for_each_row(monkeypatch):
-    monkeypatch.setattr("sys.stdout", StringIO())
-    long = ("odometry/in", "x" * 200, "y")
-    assert len(list(fitted_lines(("NAME", "KIND", "TYPE"), (*ROWS, long)))) == 4

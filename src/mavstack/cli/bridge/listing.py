@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from mavstack.bridges.core.row import Action, Publication, Service, Subscription
 from mavstack.bridges.core.table import ALL
 from mavstack.bridges.zenoh.keys import TABLE
-from mavstack.cli.common.output import echo, echo_json, fitted_lines
+from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.wrapping import rows_that_fit
 from mavstack.services.message_request.interval import name_of
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def print_table(arguments: Namespace) -> int:
         return 0
     cells = [_cells(row_fields(row)) for row in ALL]
     head = ("NAME", "KIND", "TYPE", "MAVLINK")
-    echo(*fitted_lines(head, cells))
+    echo(*rows_that_fit(head, cells))
     echo(f"{len(ALL)} rows; names without a slash are below /mavros; --json has units, frames and profiles")
     return 0
 
@@ -39,7 +40,7 @@ def _print_keys(*, as_json: bool) -> int:
     if as_json:
         echo_json([dict(zip(map(str.lower, head), row, strict=True)) for row in rows])
         return 0
-    echo(*fitted_lines(head, rows))
+    echo(*rows_that_fit(head, rows))
     return 0
 
 

@@ -174,18 +174,3 @@ def table_lines(head: Sequence[str], rows: Sequence[Sequence[str]], left: Collec
             for name, cell, width in zip(head, row, widths, strict=True)
         )
         yield "  ".join(cells).rstrip()
-
-
-def fitted_lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield a table; in a terminal that is too narrow for it, each row as two lines or more.
-
-    Those are its first cell, and below it the other cells. Files and pipes get one line for each row.
-    """
-    lines = list(table_lines(head, rows, head))
-    if not sys.stdout.isatty() or max(map(len, lines)) <= (columns := _columns_of(sys.stdout)):
-        yield from lines
-        return
-    for name, *others in (head, *rows):
-        yield printable(name)
-        for line in wrapped(printable("  ".join(filter(None, others))), columns - 2 * len(_INDENT)):
-            yield 2 * _INDENT + line

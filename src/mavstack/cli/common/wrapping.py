@@ -10,15 +10,18 @@ from mavstack.cli.common.output import (
     MIN_COLUMNS,
     align_columns,
     shown_length,
+    table_lines,
     terminal_width,
     wrapped,
 )
+from mavstack.cli.common.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 #: The width of a table that is written to a pipe: programs read it, so no line is wrapped.
 UNLIMITED: Final = 1 << 20
+_INDENT: Final = "    "
 #: Minimum width of the last column of a table in characters; a narrower one is not wrapped.
 _MIN_LAST_COLUMN: Final = 20
 
@@ -52,6 +55,27 @@ def table_that_fits(
         first, *rest = wrapped(line[start:], columns - start)
         found += [f"{line[:start]}{first}".rstrip(), *(" " * start + each for each in rest)]
     return found
+
+
+def rows_that_fit(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return a table; in a terminal that is too narrow, each row as its first cell and the others below."""
+    lines = list(table_lines(head, rows, head))
+    columns = terminal_columns(UNLIMITED)
+    if max(map(len, lines)) <= columns:
+        return lines
+    found: list[str] = []
+    for first, *others in (head, *rows):
+        text = printable("  ".join(filter(None, others)))
+        found += [printable(first), *(_INDENT + line for line in wrapped(text, columns - len(_INDENT)))]
+    return found
+
+
+def example_that_fits(line: str, columns: int) -> list[str]:
+    """Return a line of a help page; if it is an example that is too long, its comment is a line above it."""
+    command, mark, comment = line.rpartition("  # ")
+    if not mark or len(line) <= columns:
+        return [line]
+    return [f"  # {comment}", command.rstrip()]
 
 
 def _texts(rows: Sequence[Sequence[str]], columns: int, right: frozenset[int]) -> list[str]:
