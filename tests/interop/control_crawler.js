@@ -1,6 +1,10 @@
-// Functions of a page under test: its controls that can be seen, and the record of those that were used.
+// Functions of a page under test: the next control to use, and the effects of the last one.
 (() => {
   const SELECTOR = 'button, input, select, textarea, a[href], summary, [role=option], [role=slider]'
+  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop)\b/i
+  const MAX_ATTEMPTS = 2
+  const LONG_LIST = 12
+  const MAX_ROUNDS = 4
   const text = each => (each?.textContent ?? '').trim().replace(/\s+/g, ' ')
   const nameOf = each => {
     const ids = each.getAttribute('aria-labelledby')
@@ -9,30 +13,175 @@
       labels || (each.matches('input, select, textarea') ? '' : text(each)) || each.title || each.placeholder || ''
     return name.trim()
   }
-  const general = name => name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#').slice(0, 90)
+  // Controls that differ in a number, or in the name of a parameter or a message, count as one.
+  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'an item']]
+  const general = name => ALIKE.reduce((short, [pattern, word]) => short.replace(pattern, word), name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#')).slice(0, 90)
   const kindOf = each => each.getAttribute('role') || (each.localName === 'input' ? each.type : each.localName)
-  const keyOf = each => `${kindOf(each)}: ${general(nameOf(each))}`
+  // The entries of a long list are alike.
+  const isEntry = each => each.matches('li *, [role=option], tr *') &&
+    (each.matches('[role=option]') ? each : each.closest('li, tr')).parentElement.childElementCount > LONG_LIST
+  const keyOf = each => `${kindOf(each)}: ${isEntry(each) ? 'entry of a list' : general(nameOf(each))}`
   const isShown = each => each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) &&
     (each.getBoundingClientRect().width > 0 || each.closest('label'))
-  const used = each => {
-    const control = each.target instanceof Element ? each.target.closest(SELECTOR) : null
-    // Playwright selects an option, and chooses a file, by events of its own.
-    if (control && (each.isTrusted || control.matches('select, [type=file]'))) window.recordControl(keyOf(control))
+  const isEnabled = each => !each.matches(':disabled') && each.getAttribute('aria-disabled') !== 'true'
+  const isOpener = each => each.matches('[role=tab], [aria-expanded], nav *, summary')
+  // A click on what is already chosen changes nothing.
+  const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
+  const rank = each => LAST.test(nameOf(each)) ? 3 : isOpener(each) ? 2 : each.matches('button, a') ? 1 : 0
+
+  const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
+  const attempts = new Map(), problems = new Map(), openedBy = new Map(), again = new Set()
+  let round = 0, usedBefore = -1, last = null
+  let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0
+
+  const effect = () => { if (isArmed) effects += 1 }
+  const watch = (owner, name) => {
+    const original = owner?.[name]
+    if (typeof original !== 'function') return
+    owner[name] = function (...values) { effect(); return original.apply(this, values) }
   }
-  for (const name of ['click', 'input', 'change']) addEventListener(name, used, true)
-  window.controlsOf = root => {
-    for (const each of document.querySelectorAll('[data-crawled]')) delete each.dataset.crawled
+  for (const [owner, names] of [
+    [window, ['fetch', 'open', 'requestAnimationFrame', 'setTimeout']], [WebSocket.prototype, ['send']],
+    [XMLHttpRequest.prototype, ['send']], [Worker.prototype, ['postMessage']], [Storage.prototype, ['setItem', 'removeItem']],
+    [URL, ['createObjectURL']], [HTMLElement.prototype, ['click', 'focus', 'scrollIntoView']],
+    [Element.prototype, ['requestFullscreen']], [navigator.clipboard, ['writeText']], [navigator.serial, ['requestPort']],
+  ]) for (const name of names) watch(owner, name)
+  addEventListener('hashchange', effect)
+  new MutationObserver(records => { if (isArmed) effects += records.length }).observe(document, {
+    attributes: true, characterData: true, childList: true, subtree: true,
+  })
+  // What happens in the task of an event and its promises is its effect; telemetry is drawn in other tasks.
+  const channel = new MessageChannel()
+  channel.port1.onmessage = () => { isArmed = false }
+  for (const name of ['pointerdown', 'click', 'input', 'change']) addEventListener(name, event => {
+    const control = event.target instanceof Element ? event.target.closest(SELECTOR) : null
+    if (current === null || control === null) return
+    if (control !== current.control && !control.contains(current.control) && !current.control.closest('label')?.contains(control)) return
+    if (name !== 'pointerdown') used.add(current.key)
+    isArmed = true
+    channel.port2.postMessage(0)
+  }, true)
+
+  const scopeOf = () => {
     const dialogs = [...document.querySelectorAll('dialog[open], [role=dialog], [role=alertdialog]')].filter(isShown)
-    const top = dialogs.at(-1)
-    const inside = top ?? document.querySelector(root) ?? document.body
-    return [...inside.querySelectorAll(SELECTOR)].filter(isShown).map((each, index) => {
-      each.dataset.crawled = String(index)
-      return {
-        index, key: keyOf(each), name: nameOf(each), kind: kindOf(each), isDialog: top !== undefined,
-        isEnabled: !each.matches(':disabled') && each.getAttribute('aria-disabled') !== 'true',
-        isGuarded: each.classList.contains('guarded'),
-        isOpener: each.matches('[role=tab], [aria-expanded], nav *, summary'),
+    return [dialogs.at(-1) ?? document.querySelector(root) ?? document.body, dialogs.length > 0]
+  }
+  // Toasts come and go beside what is used; a pointer passes through them here.
+  const controlsIn = scope => [...scope.querySelectorAll(SELECTOR)].filter(each => isShown(each) && !each.closest('.toasts'))
+  addEventListener('DOMContentLoaded', () => {
+    const sheet = new CSSStyleSheet()
+    sheet.replaceSync('.toasts, .toasts * { pointer-events: none !important }')
+    document.adoptedStyleSheets.push(sheet)
+  })
+  const isWanted = each => {
+    const key = keyOf(each)
+    return isEnabled(each) && (again.has(key) || !used.has(key)) && (attempts.get(key) ?? 0) < MAX_ATTEMPTS && !excluded.test(key)
+  }
+  // The place of a control that a pointer reaches; null: something covers it.
+  let cover = ''
+  const placeOf = each => {
+    const target = each.checkVisibility() && each.getBoundingClientRect().width > 1 ? each : each.closest('label') ?? each
+    target.scrollIntoView({ block: 'center', inline: 'center', behavior: 'instant' })
+    const { left, top, width, height } = target.getBoundingClientRect()
+    const place = { x: left + Math.min(width / 2, 200), y: top + height / 2 }
+    const hit = document.elementFromPoint(place.x, place.y)
+    cover = hit === null ? 'outside of the screen' : `${hit.localName}.${hit.className}`
+    return hit !== null && (target.contains(hit) || hit.contains(target) || each.closest('label')?.contains(hit)) ? place : null
+  }
+  const choose = each => {
+    const key = keyOf(each), place = placeOf(each)
+    attempts.set(key, again.delete(key) ? 0 : (attempts.get(key) ?? 0) + 1)
+    current = { control: each, key, wasChosen: isChosen(each), isAgain: used.has(key) }
+    effects = 0
+    if (place === null) {
+      problems.set(key, `covered by ${cover}`)
+      return choice('covered')
+    }
+    problems.delete(key)
+    return { ...choice(each.classList.contains('guarded') ? 'hold' : fill(each) ? 'filled' : 'click'), ...place }
+  }
+  const choice = action => ({ action, key: current.key })
+  const setValue = (each, value) => {
+    const owner = each.matches('textarea') ? HTMLTextAreaElement : each.matches('select') ? HTMLSelectElement : HTMLInputElement
+    Object.getOwnPropertyDescriptor(owner.prototype, 'value').set.call(each, value)
+    for (const name of ['input', 'change']) each.dispatchEvent(new Event(name, { bubbles: true }))
+    return true
+  }
+  const STEPPED = new Set(['range', 'number'])
+  const TEXTS = new Set(['text', 'textarea', 'password', 'url', 'date', 'time', 'color', 'email'])
+  const fill = each => {
+    if (each.matches('select')) {
+      const options = [...each.options].filter(option => !option.disabled)
+      const next = options[(options.indexOf(each.selectedOptions[0]) + 1) % options.length]
+      return setValue(each, next?.value ?? '')
+    }
+    if (!each.matches('input, textarea') || each.type === 'file') return false
+    if (each.type === 'color') return setValue(each, '#336699')
+    if (each.type === 'search') return setValue(each, '1') && setValue(each, '')
+    if (STEPPED.has(each.type)) return setValue(each, each.value === each.max ? each.min || '0' : each.value || each.min || '1')
+    return TEXTS.has(each.type) && setValue(each, each.value || '1')
+  }
+  const unused = () => [...enabled].filter(key => !used.has(key) && !problems.has(key) && !excluded.test(key))
+  // What another control disabled, or took away, may be there again; what opened it is used once more.
+  const idle = () => [...seen].filter(key => !enabled.has(key) && !used.has(key) && !excluded.test(key))
+  const nextRound = () => {
+    if (unused().length + idle().length === 0 || round === MAX_ROUNDS || used.size === usedBefore) return null
+    round += 1
+    usedBefore = used.size
+    reopened.clear()
+    for (let key of unused()) {
+      for (let depth = 0; depth < 4 && openedBy.has(key); depth += 1) {
+        key = openedBy.get(key)
+        again.add(key)
+        attempts.delete(key)
       }
-    })
+    }
+    return { action: 'wait', key: '' }
+  }
+  const finish = () => {
+    if (current === null) return
+    const { control, key, wasChosen, isAgain } = current
+    current = null
+    last = key
+    const isButton = control.matches('button, a, summary, [role=option]')
+    if (isButton && !isAgain && used.has(key) && !wasChosen && effects === 0) {
+      // It acts at the second try, or it is dead.
+      used.delete(key)
+      problems.set(key, 'dead')
+    }
+  }
+  window.crawler = {
+    begin: (view, pattern) => { root = view; excluded = pattern === '' ? /(?!)/ : new RegExp(pattern); reopened.clear() },
+    held: () => { if (current !== null) { used.add(current.key); effects += 1 } },
+    // Ends the last action, and chooses the next control; null: all are used.
+    next: () => {
+      finish()
+      if (document.fullscreenElement !== null) {
+        document.exitFullscreen()
+        return { action: 'wait', key: '' }
+      }
+      const [scope, isDialog] = scopeOf()
+      const controls = controlsIn(scope)
+      for (const each of controls) {
+        const key = keyOf(each)
+        if (!seen.has(key) && last !== null && last !== key) openedBy.set(key, last)
+        seen.add(key)
+        if (isEnabled(each)) enabled.add(key)
+        if (nameOf(each) === '') nameless.add(`${keyOf(each)} ${each.outerHTML.slice(0, 80)}`)
+      }
+      const wanted = controls.filter(isWanted)
+      if (wanted.length > 0) return choose(wanted.reduce((best, each) => rank(each) < rank(best) ? each : best))
+      if (isDialog) return { action: 'escape', key: 'dialog' }
+      const opener = controls.find(each => isOpener(each) && isEnabled(each) && !isChosen(each) && !excluded.test(keyOf(each)) && !reopened.has(keyOf(each)))
+      if (opener === undefined) return nextRound()
+      reopened.add(keyOf(opener))
+      return choose(opener)
+    },
+    report: () => ({
+      seen: [...seen], used: [...used], nameless: [...nameless],
+      problems: [...problems].filter(([key]) => !used.has(key)).map(([key, problem]) => `${problem}: ${key}`),
+      unused: unused(),
+      idle: idle(),
+    }),
   }
 })()

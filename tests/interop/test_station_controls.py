@@ -1,61 +1,125 @@
-"""The controls of the views are used one after the other, with a console free of errors."""
+"""Every control of every view is used, with each firmware, on a desktop and a phone.
+
+A console must be free of errors, and each control must be reached, have a name and have an effect. The
+interop tests use some controls of each view; all of them are used nightly.
+"""
 
 from __future__ import annotations
 
 import re
 from contextlib import ExitStack
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.background import BackgroundSimulator
+from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.interop.control_crawler import Crawler
+from tests.interop.control_crawler import MAX_ACTIONS, Report, crawl
 from tests.server.browsing import open_pages, web_station
+from tests.server.web_serial import PORT
+from tests.sim.msp.peer import Peer
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-pytestmark = [
-    pytest.mark.interop,
-    pytest.mark.nightly,
-    pytest.mark.xdist_group("chromium"),
-    pytest.mark.timeout(600),
-]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(600)]
 
-VIEWS = ("fly", "setup")
+#: The views, and the parts of the page around them.
+VIEWS = (
+    "fly",
+    "plan",
+    "setup",
+    "inspect",
+    "logs",
+    "dashboards",
+    "router",
+    "generator",
+    "swarm",
+    "msp",
+    "shell",
+)
+FIRMWARES = ("ardupilot", "px4", "betaflight")
+SHELL = ".shell > :not(main)"
+#: Firmware and device of each view in the interop tests; without a router its view has no controls.
+SLICE = (
+    ("fly", "px4", True),
+    ("plan", "ardupilot", True),
+    ("setup", "betaflight", False),
+    ("inspect", "px4", False),
+    ("logs", "ardupilot", True),
+    ("dashboards", "ardupilot", False),
+    ("generator", "px4", False),
+    ("swarm", "ardupilot", False),
+    ("msp", "betaflight", True),
+    ("shell", "px4", True),
+)
+#: Number of actions of each view in the interop tests.
+FEW_ACTIONS = 8
 #: Parameters that keep a vehicle on the ground armed.
-STAY_ARMED = {"DISARM_DELAY": 0}
-#: Controls that need a flight, a gamepad, a camera, a file or a confirmation, and the tests that use them.
+STAY_ARMED = {"DISARM_DELAY": 0, "COM_DISARM_PRFLT": -1}
+#: The picker shows a vehicle.
+READY = "button:has-text('Choose a vehicle:')"
+#: Controls that are not used here: those that leave the page, and those that need a flight, a gamepad or
+#: another window, with the tests that use them.
 NOT_USED = {
-    r"(Altitude: Set|Altitude m|Speed: Set|Speed m|Disarm|Land|Return|Hold|Take off)": "test_station_fly.py",
-    r"button: (Dismiss|Close|Remove|Clear|End|Play|Record)\b": "test_station_video.py, test_station_maps.py",
-    r"button: (Download|None|Beep)$": "test_station_maps.py, test_app_payload_browser.py",
-    r"summary: Settings of the controller|select: Steer with": "test_station_sticks.py",
-    r"button: Check list|button: Copter #": "test_station_preflight.py, test_station_group.py",
-    r"button: Save group|select: Video resolution|Own address": "no test uses these yet",
-    r"button: Terminate the flight": "test_app_payload_browser.py",
-    r"button: (Start: |Cancel)": "test_station_calibration.py",
-    r"button: (Check only|Flash)": "test_app_flash_browser.py, test_app_fleet_browser.py",
-    r"button: (Motor #|Change the airframe|Reboot|Set NAME|Nothing)|FLTMODE#": "test_app_setup_browser.py",
+    r"button: (Disconnect|Sign out)$": "test_app_msp_browser.py, test_station_sessions.py",
+    r"^a: .*(Download|\.(mp4|tlog|mcap))": "test_station_video.py",
+    r"button: Start: ": "test_station_calibration.py",
+    r"button: (Terminate the flight|Dismiss)$": "test_app_payload_browser.py",
+    r"button: Disarm$": "test_station_fly.py",
+    r"summary: Settings of the controller": "test_station_sticks.py",
+    r"button: (Add them|Remove.*)$": "test_station_dashboards.py, test_station_plan.py",
 }
-#: Number of controls that each view has at least, without those of other tests.
-MIN_USED = 60
+EXCLUDED = "|".join(NOT_USED)
 #: Status codes of refusals, which Chromium logs as errors.
-REFUSALS = re.compile(r"status of (400|403|404|409|501|502|504)")
+REFUSALS = re.compile(r"status of (400|403|404|409|501|502|503|504)")
+
+
+class World:
+    """The stations of the module, each with two vehicles or a flight controller, and a browser."""
+
+    def __init__(self, steps: ExitStack, new_folder: Any) -> None:
+        self._steps, self._new_folder = steps, new_folder
+        self.new_page = steps.enter_context(open_pages(REFUSALS))
+        self.url_of = cache(self._url_of)
+
+    def _url_of(self, firmware: str) -> str:
+        vehicle = self._steps.enter_context(vehicle_of(firmware))
+        return str(self._steps.enter_context(web_station(self._new_folder(firmware), vehicle.url)))
+
+    def crawl(self, view: str, firmware: str, phone: bool, actions: int = MAX_ACTIONS) -> Report:
+        """Use the controls of a view."""
+        url, page = self.url_of(firmware), self.new_page("about:blank", phone=phone)
+        if view == "msp":
+            expose_controller(page)
+        address = f"{url}#/{'fly' if view == 'shell' else view}"
+        root = SHELL if view == "shell" else "main"
+        try:
+            return crawl(page, address, root, ready=READY, excluded=EXCLUDED, actions=actions)
+        finally:
+            page.context.close()
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Any]]:
-    """Two copters with all payloads: the station's URL, and a function for pages."""
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    with ExitStack() as steps:
+        yield World(steps, tmp_path_factory.mktemp)
+
+
+def vehicle_of(firmware: str) -> BackgroundSimulator | BackgroundFlightController:
+    """Return a flight controller, or two copters with all payloads."""
+    if firmware == "betaflight":
+        return BackgroundFlightController(firmware)
     simulator = BackgroundSimulator(count=0)
     for _ in range(2):
         copter = simulator.simulation.add(
             VehicleType.COPTER,
-            Firmware.ARDUPILOT,
+            Firmware(firmware),
             camera=True,
             gimbal=True,
             proximity=True,
@@ -66,19 +130,66 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Any]]
             if name in copter.parameters:
                 copter.parameters.set(name, value)
     make_ready(simulator.simulation)
-    with ExitStack() as steps:
-        steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
-        yield url, steps.enter_context(open_pages(REFUSALS))
+    return simulator
 
 
+def expose_controller(page: Any) -> None:
+    """Let the page reach a flight controller by WebSerial."""
+    peer = Peer("betaflight")
+
+    def exchange(data: list[int]) -> list[int]:
+        peer.run(0.05)
+        return list(peer.send(bytes(data)))
+
+    page.expose_function("exchange", exchange)
+    page.add_init_script(PORT)
+
+
+@pytest.mark.parametrize(("view", "firmware", "phone"), SLICE, ids=[each[0] for each in SLICE])
+def test_controls_of_each_view(world: World, view: str, firmware: str, phone: bool) -> None:
+    report = world.crawl(view, firmware, phone, FEW_ACTIONS)
+    assert report.faults == []
+    assert report.used
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
 @pytest.mark.parametrize("view", VIEWS)
-def test_controls_are_used(world: tuple[str, Any], view: str) -> None:
-    url, new_page = world
-    page = new_page("about:blank")
-    crawler = Crawler(page, re.compile("|".join(NOT_USED)))
-    crawler.crawl(f"{url}#/{view}", "main")
+@pytest.mark.parametrize("firmware", FIRMWARES)
+def test_every_control(world: World, firmware: str, view: str, phone: bool) -> None:
+    report = world.crawl(view, firmware, phone)
+    print(f"{len(report.used)} of {len(report.seen)} used; never enabled: {report.idle}")
+    assert report.faults == []
+
+
+#: A page with one control of each fault, and sound ones.
+FAULTY = """
+<main>
+  <button onclick="document.title = 'used'">Sound</button>
+  <button>Does nothing</button>
+  <button onclick="document.title = 'nameless'"></button>
+  <div style="position: relative">
+    <button onclick="document.title = 'covered'">Covered</button>
+    <div style="position: absolute; inset: 0"></div>
+  </div>
+  <label><input type="checkbox"> Choice</label>
+  <input aria-label="Text">
+  <select aria-label="List"><option>a</option><option>b</option></select>
+  <button disabled>Never enabled</button>
+</main>
+"""
+
+
+def test_the_crawler_finds_faults(world: World) -> None:
+    page = world.new_page("about:blank")
+    page.route("http://faulty.test/", lambda route: route.fulfill(body=FAULTY, content_type="text/html"))
+    report = crawl(page, "http://faulty.test/")
     page.context.close()
-    assert crawler.nameless == set()
-    assert len(crawler.used) > MIN_USED
-    assert crawler.unused == [], crawler.failures
+    assert report.faults == [
+        "covered by div.: button: Covered",
+        "dead: button: Does nothing",
+        *report.faults[2:],
+    ]
+    assert [each[:17] for each in report.faults[2:]] == ["nameless: button:"]
+    assert report.idle == ["button: Never enabled"]
+    assert {"button: Sound", "checkbox: Choice", "text: Text", "select: List"} <= set(report.used)

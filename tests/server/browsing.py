@@ -76,7 +76,7 @@ def open_pages(refused: re.Pattern[str] = REFUSED) -> Iterator[Any]:
 
         yield new_page
         browser.close()
-    assert problems == []
+    assert problems == [], "\n".join(problems)
 
 
 def hold(page: Any, button: Any, milliseconds: int = 900) -> None:

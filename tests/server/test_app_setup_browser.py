@@ -19,14 +19,14 @@ playwright = pytest.importorskip("playwright.sync_api")
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory):
-    """A copter of ArduPilot and one of PX4; the simulation, the URL, and a function for pages."""
+    """A copter of ArduPilot and one of PX4; the simulator, the URL, and a function for pages."""
     simulator = BackgroundSimulator(count=0)
     simulator.simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
     simulator.simulation.add(VehicleType.COPTER, Firmware.PX4)
     with ExitStack() as steps:
         steps.enter_context(simulator)
         url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
-        yield simulator.simulation, url, steps.enter_context(open_pages())
+        yield simulator, url, steps.enter_context(open_pages())
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def test_the_check_list_leads_to_what_is_missing(page) -> None:
 
 
 def test_a_change_of_the_airframe_is_shown_first(world, page) -> None:
-    copter = world[0].vehicles[0]
+    copter = world[0].simulation.vehicles[0]
     open_section(page, "Airframe")
     page.get_by_role("combobox", name="Airframe").select_option(label="2: hexa")
     page.get_by_role("combobox", name="Arrangement of the motors").select_option(label="0: plus")
@@ -83,18 +83,18 @@ def test_serial_ports_are_set_and_need_a_reboot(world, page) -> None:
     page.get_by_role("combobox", name="Bits per second of SERIAL2").select_option("115200")
     page.get_by_role("button", name="Set SERIAL2").click()
     playwright.expect(page.get_by_role("button", name="Set SERIAL2")).to_be_disabled()
-    parameters = world[0].vehicles[0].parameters
+    parameters = world[0].simulation.vehicles[0].parameters
     assert (parameters["SERIAL2_PROTOCOL"], parameters["SERIAL2_BAUD"]) == (9, 115)
     playwright.expect(page.get_by_text("A change takes effect after a reboot.").last).to_be_visible()
     hold(page, page.get_by_role("button", name="Reboot"))
-    wait_until(page, lambda: world[0].vehicles[0].boots == 3)
+    wait_until(page, lambda: world[0].simulation.vehicles[0].boots == 3)
     # The answer comes once the vehicle has started.
     assert page.request.get(f"{world[1]}api/vehicles/1/parameters/SERVO3_REVERSED").ok
 
 
 def test_outputs_receiver_and_battery(world, page) -> None:
     open_section(page, "Motors and outputs")
-    parameters = world[0].vehicles[0].parameters
+    parameters = world[0].simulation.vehicles[0].parameters
     page.get_by_role("checkbox", name="Output 3 is reversed").check()
     function = page.get_by_role("spinbutton", name="Function of output 5", exact=True)
     function.fill("10")
@@ -109,7 +109,7 @@ def test_outputs_receiver_and_battery(world, page) -> None:
 
 
 def test_tuning_is_plotted_and_undone(world, page) -> None:
-    parameters = world[0].vehicles[0].parameters
+    parameters = world[0].simulation.vehicles[0].parameters
     before = parameters["ATC_RAT_PIT_P"]
     open_section(page, "Tuning")
     page.get_by_role("button", name="Pitch").click()
@@ -132,7 +132,7 @@ def test_tuning_is_plotted_and_undone(world, page) -> None:
 
 
 def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
-    simulation, url, new_page = world
+    simulator, url, new_page = world
     page = new_page(f"{url}#/setup", phone=True, dark=False)
     page.get_by_role("button", name="Choose a vehicle").click()
     page.get_by_role("option", name="Copter 2").click()
@@ -143,7 +143,56 @@ def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
     playwright.expect(page.get_by_text("All other parameters stay as they are.")).to_be_visible()
     hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
     playwright.expect(page.get_by_text("The airframe is now: hexacopter X.")).to_be_visible()
-    assert simulation.vehicles[1].parameters["SYS_AUTOSTART"] == 6001
+    assert simulator.simulation.vehicles[1].parameters["SYS_AUTOSTART"] == 6001
+
+
+#: A parameter of each firmware with a value that is not its default, and the number of its copter.
+LASTING = {"ardupilot": ("RTL_ALT", 2500, 1), "px4": ("RTL_RETURN_ALT", 45, 2)}
+#: Seconds after which PX4 has written its file by itself.
+SAVE_DELAY = 3
+
+
+def choose_copter(page, number: int) -> None:
+    page.get_by_role("button", name="Choose a vehicle").click()
+    page.get_by_role("option", name=f"Copter {number}").click()
+
+
+def find_parameter(page, name: str):
+    """Return the field of a parameter in the list."""
+    open_section(page, "Parameters")
+    page.get_by_role("searchbox", name="Search names and descriptions").fill(name)
+    return page.get_by_role("spinbutton", name=name, exact=True)
+
+
+def set_parameter(page, name: str, value: int) -> None:
+    """Set a parameter in the list, and wait until the vehicle holds the value."""
+    field = find_parameter(page, name)
+    field.fill(str(value))
+    field.press("Enter")
+    page.get_by_role("button", name=re.compile(f"Undo: set {name}")).wait_for()
+
+
+@pytest.mark.parametrize("firmware", LASTING)
+@pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
+def test_a_parameter_outlasts_a_power_cycle(world, firmware, phone) -> None:
+    simulator, url, new_page = world
+    name, value, system = LASTING[firmware]
+    value += phone
+    copter = simulator.simulation.vehicles[system - 1]
+    assert copter.parameters[name] != value
+    page = new_page(f"{url}#/setup", phone=phone)
+    choose_copter(page, system)
+    set_parameter(page, name, value)
+    due = simulator.simulation.now + SAVE_DELAY
+    wait_until(page, lambda: simulator.simulation.now > due)
+    boots = copter.boots
+    simulator.call(copter.power_cycle)
+    wait_until(page, lambda: copter.boots == boots + 1)
+    assert copter.parameters[name] == value
+    page.reload()
+    choose_copter(page, system)
+    playwright.expect(find_parameter(page, name)).to_have_value(str(value))
+    page.context.close()
 
 
 @pytest.mark.parametrize("firmware", ["betaflight", "inav"])
@@ -163,3 +212,4 @@ def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(world, tmp_pa
         assert "TELEMETRY_MAVLINK" in port.functions.name
         rates = BAUD_RATES if firmware == "betaflight" else INAV_BAUD_RATES
         assert rates[port.telemetry_baud] == 57600
+        page.context.close()

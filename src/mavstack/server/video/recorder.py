@@ -139,7 +139,7 @@ class Recorder:
         finally:
             track.stop()
             reading.cancel()
-            self._lost, self._pictures = self._lost + pictures.dropped + len(pictures), None
+            self._lost, self._pictures = self._lost + pictures.dropped, None
 
     async def _fill_file(self, pictures: LatePictures, begun: asyncio.Future[None]) -> bool:
         """Write one file; False: the camera has ended its stream."""

@@ -30,11 +30,13 @@ if TYPE_CHECKING:
 OPEN_TIMEOUT: Final = 10
 #: Options of FFmpeg for streams with a low delay.
 _OPTIONS: Final = {
-    "fflags": "nobuffer",
     "flags": "low_delay",
     "analyzeduration": "1000000",
     "probesize": "500000",
 }
+#: Drops the packets that were read to recognise the stream. A decoder needs them: the first picture may be
+#: the only one for seconds that needs no other, and the player ends a stream whose decoder fails.
+_NO_BUFFER: Final = {"fflags": "nobuffer"}
 _RTSP: Final = {"rtsp_transport": "tcp", "timeout": str(OPEN_TIMEOUT * 1_000_000)}
 _RTP: Final = {"protocol_whitelist": "file,udp,rtp", "reorder_queue_size": "64"}
 _H264: Final = "h264"
@@ -95,7 +97,8 @@ async def open_source(address: CameraAddress, *, passes_h264: bool) -> CameraSou
 def _open(address: CameraAddress, passes_h264: bool) -> CameraSource:
     if passes_h264:
         player = _player(address, decode=False)
-        if player.video is not None:
+        # The player passes on packets of VP8 too, which would be taken for H.264.
+        if player.video is not None and _codec_of(player) == _H264:
             return CameraSource(player, player.video, _H264)
         _close(player)
     player = _player(address, decode=True)
@@ -106,16 +109,22 @@ def _open(address: CameraAddress, passes_h264: bool) -> CameraSource:
 
 
 def _player(address: CameraAddress, *, decode: bool) -> MediaPlayer:
+    options = _OPTIONS if decode else _OPTIONS | _NO_BUFFER
     if address.url:
-        return MediaPlayer(address.url, options=_OPTIONS | _RTSP, timeout=OPEN_TIMEOUT, decode=decode)
+        return MediaPlayer(address.url, options=options | _RTSP, timeout=OPEN_TIMEOUT, decode=decode)
     with NamedTemporaryFile("w", suffix=".sdp", delete=False, encoding="ascii") as file:
         file.write(address.description)
     try:
         return MediaPlayer(
-            file.name, format="sdp", options=_OPTIONS | _RTP, timeout=OPEN_TIMEOUT, decode=decode
+            file.name, format="sdp", options=options | _RTP, timeout=OPEN_TIMEOUT, decode=decode
         )
     finally:
         Path(file.name).unlink()
+
+
+def _codec_of(player: Any) -> str:  # noqa: ANN401 (of aiortc, which has no call for it)
+    name: str = player._MediaPlayer__container.streams.video[0].codec_context.name  # noqa: SLF001
+    return name
 
 
 def _close(player: Any) -> None:  # noqa: ANN401 - of aiortc, which has no call for it

@@ -22,3 +22,10 @@ it('has a range without values', () => {
   expect(paddedRange(null, null)).toEqual([0, 1]);
   expect(paddedRange(0, Infinity)).toEqual([0, 1]);
 });
+
+it('does not zoom into the noise of a vehicle at rest', () => {
+  const [low, high] = paddedRange(-0.033, -0.027, 'm');
+  expect([low, high].map((each) => each.toFixed(2))).toEqual(['-0.53', '0.47']);
+  expect(paddedRange(0, 100, 'm')).toEqual([-8, 108]);
+  expect(paddedRange(0, 0.01)[1]).toBeLessThan(0.02);
+});

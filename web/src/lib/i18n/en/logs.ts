@@ -1,6 +1,7 @@
 export const logs = {
   recordings: 'Recordings of the station',
   videos: 'Recorded videos',
+  videoLost: '{count, one: # picture lost, other: # pictures lost}',
   record: 'Record',
   recording: 'Recording',
   stop: 'Stop',

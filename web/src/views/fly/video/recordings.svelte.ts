@@ -10,6 +10,8 @@ export interface VideoRecording {
   readonly modified: number;
   readonly running: boolean;
   readonly seconds: number | null;
+  /** Number of pictures that are in no file: the disk was too slow, or they were damaged. */
+  readonly lost: number;
   readonly problem: string;
   /** The address of the camera without its password. */
   readonly uri: string;
