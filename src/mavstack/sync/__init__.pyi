@@ -112,6 +112,7 @@ from mavstack.vehicle.telemetry.surroundings import Distance
 from mavstack.vehicle.telemetry.surroundings import Obstacles
 from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
+from mavstack.vehicle.transponder import TransponderStatus
 from mavstack.vehicle.vehicle_type import VehicleType
 from mavstack.wire import Packet
 from os import PathLike
@@ -123,7 +124,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'Devices', 'EventListener', 'EventStream', 'ExtendedParams', 'External', 'Failure', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'LogStream', 'LogStreams', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Actuators', 'Calibration', 'CalibrationSession', 'Camera', 'CameraSettings', 'Can', 'CanBus', 'CommandHandlers', 'Connection', 'ControlStream', 'CorrectionFeed', 'Devices', 'EventListener', 'EventStream', 'ExtendedParams', 'External', 'Failure', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'LogStream', 'LogStreams', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'Recording', 'RegionOfInterest', 'RemoteComponent', 'Results', 'Rtk', 'SerialPort', 'SerialPorts', 'Shell', 'Subscription', 'Swarm', 'Terrain', 'Transponder', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -4111,6 +4112,36 @@ class Terrain:
             RemoteCancelled: The node was closed.
         """
 
+class Transponder:
+    """The ADS-B transponder of a vehicle; `vehicle.transponder`."""
+
+    @property
+    def status(self) -> TransponderStatus | None:
+        """The last reported state (UAVIONIX_ADSB_OUT_STATUS); None before the first report."""
+
+    def set(self, *, squawk: str='1200', flight_id: str='', transmits: bool=True, altitude: bool=True, ident: bool=False, emergency: int=0, timeout: float | None=...) -> TransponderStatus:
+        """Set the transponder (UAVIONIX_ADSB_OUT_CONTROL), and wait until its report agrees.
+
+        The message sets everything at the same time. Whether the vehicle is on the ground follows from the
+        vehicle.
+
+        Args:
+            squawk: The Mode A code, four digits from 0 to 7.
+            flight_id: The flight identification: at most 8 of A to Z, 0 to 9 and the space.
+            transmits: Reply in Modes A and S and send the position (1090ES); False: standby.
+            altitude: Report the altitude too (Mode C).
+            ident: Identify the vehicle to a controller, for some seconds.
+            emergency: The UAVIONIX_ADSB_EMERGENCY_STATUS.
+            timeout: Seconds to wait for the report; None waits for ever.
+
+        Returns:
+            The reported state.
+
+        Raises:
+            InvalidArgumentError: A value is not possible; nothing was sent.
+            ActionTimeout: No report agreed in time, as of a vehicle without a transponder.
+        """
+
 class ValueStream(Generic[TelemetryValue]):
     """An iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
 
@@ -4197,6 +4228,10 @@ class Vehicle:
     @property
     def rtk(self) -> Rtk:
         """The corrections of its satellite navigation, from a caster or a base."""
+
+    @property
+    def transponder(self) -> Transponder:
+        """Its ADS-B transponder, as ArduPilot controls one."""
 
     @property
     def modes(self) -> Modes:

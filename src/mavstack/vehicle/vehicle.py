@@ -40,6 +40,7 @@ from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.roi import RegionOfInterest
 from mavstack.vehicle.rtk import Rtk
 from mavstack.vehicle.telemetry import Telemetry, messages, readers, value_streams
+from mavstack.vehicle.transponder import Transponder
 from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ class Vehicle(ReadOnly):
     external = Part(External, "The data of a companion computer: estimates, obstacles, targets.")
     devices = Part(Devices, "Motor controllers, generator, engine and modems that report about themselves.")
     rtk = Part(Rtk, "The corrections of its satellite navigation, from a caster or a base.")
+    transponder = Part(Transponder, "Its ADS-B transponder, as ArduPilot controls one.")
 
     def __init__(self, connection: Node, component: RemoteComponent) -> None:
         #: The connection through which the vehicle is reached.

@@ -218,6 +218,31 @@ def test_a_plane_in_manual_does_nothing():
     assert collisions(one)[-1].action == ACTION.NONE
 
 
+def quadplane(mode: str, **parameters: float) -> VehicleHarness:
+    one = airborne("vtol", "ardupilot", AVD_ENABLE=1, **parameters)
+    one.receiving = True
+    one.enter(mode).run(1)
+    return one
+
+
+def test_a_quadplane_that_lands_by_qland_does_nothing():
+    one = quadplane("QLAND", AVD_F_ACTION=5)
+    one.send(aircraft(one, 900.0))
+    one.run(2)
+    assert one.mode == "QLAND"
+    assert collisions(one)[-1].action == ACTION.NONE
+
+
+@pytest.mark.parametrize(("mode", "hold"), [("QHOVER", "QLOITER"), ("FBWB", "LOITER")])
+def test_a_quadplane_holds_as_it_flies(mode, hold):
+    one = quadplane(mode, AVD_F_ACTION=6)
+    if mode == "FBWB":
+        one.run(30)  # until the transition is complete
+    one.send(aircraft(one, 900.0))
+    one.run(2)
+    assert one.mode == hold
+
+
 def test_a_copter_descends_only_above_the_altitude_of_its_return():
     one = copter("ardupilot", AVD_ENABLE=1, AVD_F_ACTION=2, RTL_ALT=5000)
     begin = one.vehicle.body.truth

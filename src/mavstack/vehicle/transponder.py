@@ -1,0 +1,172 @@
+"""The ADS-B transponder that an autopilot controls: `vehicle.transponder`.
+
+    await vehicle.transponder.set(squawk="7000", flight_id="LX1", transmits=True, altitude=True)
+    print(vehicle.transponder.status)
+
+ArduPilot passes UAVIONIX_ADSB_OUT_CONTROL on to a transponder at a serial port (ADSB_TYPE 3, uAvionix UCP)
+and reports its state by UAVIONIX_ADSB_OUT_STATUS. The message has no acknowledgement, so that report is the
+answer. PX4 sends its own parameters to a transponder and takes no control from a ground station.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import uavionix
+from mavstack.errors import InvalidArgumentError
+from mavstack.node.api_object import ReadOnly
+from mavstack.vehicle.deadline import deadline
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.vehicle import Vehicle
+
+_OPERATION: Final = "setting the transponder of"
+_CONTROL = uavionix.UavionixAdsbOutControlState
+_STATE = uavionix.UavionixAdsbOutStatusState
+#: UAVIONIX_ADSB_OUT_…_STATE_1090ES_TX_ENABLED, whose name is not one of Python.
+_POSITION_REPORTS: Final = 128
+#: Hertz at which the state is requested, and seconds between two repetitions of the control message.
+_RATE: Final = 1.0
+_REPEAT: Final = 1.0
+_POLL: Final = 0.1
+#: Seconds to wait for a report by default.
+DEFAULT_TIMEOUT: Final = 10.0
+_UNKNOWN_ALTITUDE: Final = 2**31 - 1
+_SQUAWK: Final = re.compile("[0-7]{4}")
+_FLIGHT_ID: Final = re.compile("[A-Z0-9 ]{0,8}")
+#: The parts of a state that the control message sets.
+_COMPARED: Final = _STATE.MODE_A_ENABLED | _STATE.MODE_C_ENABLED | _STATE.MODE_S_ENABLED | _POSITION_REPORTS
+
+
+@dataclass(frozen=True, slots=True)
+class TransponderStatus:
+    """The state of a transponder.
+
+    Attributes:
+        squawk: The Mode A code, four octal digits.
+        flight_id: The flight identification; empty if none is set.
+        transmits: True if it replies and sends its position.
+        altitude: True if it reports its altitude too (Mode C).
+        ident: True while it identifies itself to a controller.
+        on_ground: True if it reports that the vehicle is on the ground.
+        temperature: Of its board, in degrees Celsius.
+        faults: The names of its faults, such as "GPS_NO_POS".
+    """
+
+    squawk: str
+    flight_id: str
+    transmits: bool
+    altitude: bool
+    ident: bool
+    on_ground: bool
+    temperature: int
+    faults: tuple[str, ...] = ()
+
+
+class Transponder(ReadOnly):
+    """The ADS-B transponder of a vehicle; `vehicle.transponder`."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+
+    @property
+    def status(self) -> TransponderStatus | None:
+        """The last reported state (UAVIONIX_ADSB_OUT_STATUS); None before the first report."""
+        report = self._vehicle.telemetry.latest(uavionix.UavionixAdsbOutStatus)
+        return None if report is None else _status_of(report)
+
+    async def set(
+        self,
+        *,
+        squawk: str = "1200",
+        flight_id: str = "",
+        transmits: bool = True,
+        altitude: bool = True,
+        ident: bool = False,
+        emergency: int = 0,
+        timeout: float | None = DEFAULT_TIMEOUT,
+    ) -> TransponderStatus:
+        """Set the transponder (UAVIONIX_ADSB_OUT_CONTROL), and wait until its report agrees.
+
+        The message sets everything at the same time. Whether the vehicle is on the ground follows from the
+        vehicle.
+
+        Args:
+            squawk: The Mode A code, four digits from 0 to 7.
+            flight_id: The flight identification: at most 8 of A to Z, 0 to 9 and the space.
+            transmits: Reply in Modes A and S and send the position (1090ES); False: standby.
+            altitude: Report the altitude too (Mode C).
+            ident: Identify the vehicle to a controller, for some seconds.
+            emergency: The UAVIONIX_ADSB_EMERGENCY_STATUS.
+            timeout: Seconds to wait for the report; None waits for ever.
+
+        Returns:
+            The reported state.
+
+        Raises:
+            InvalidArgumentError: A value is not possible; nothing was sent.
+            ActionTimeout: No report agreed in time, as of a vehicle without a transponder.
+        """
+        _check(squawk, flight_id, emergency)
+        control = uavionix.UavionixAdsbOutControl(
+            state=self._state(transmits=transmits, altitude=altitude, ident=ident),
+            squawk=int(squawk),
+            flight_id=flight_id,
+            emergencyStatus=emergency,
+            baroAltMSL=_UNKNOWN_ALTITUDE,
+        )
+        async with deadline(timeout, _OPERATION, self._vehicle.address):
+            await self._vehicle.telemetry.ensure(uavionix.UavionixAdsbOutStatus, _RATE)
+            return await self._send_until_reported(control)
+
+    def _state(self, *, transmits: bool, altitude: bool, ident: bool) -> int:
+        """Return the UAVIONIX_ADSB_OUT_CONTROL_STATE."""
+        state = 0 if self._vehicle.in_air else int(_CONTROL.ON_GROUND)
+        if transmits:
+            state |= _CONTROL.MODE_A_ENABLED | _CONTROL.MODE_S_ENABLED | _POSITION_REPORTS
+            state |= _CONTROL.MODE_C_ENABLED if altitude else 0
+        return state | (_CONTROL.IDENT_BUTTON_ACTIVE if ident else 0)
+
+    async def _send_until_reported(self, control: uavionix.UavionixAdsbOutControl) -> TransponderStatus:
+        """Repeat the message, which a link may lose, until a report that came after it agrees."""
+        telemetry, began = self._vehicle.telemetry, self._vehicle.telemetry.now()
+        sent = float("-inf")
+        while True:
+            found = telemetry.latest_with_time(uavionix.UavionixAdsbOutStatus)
+            if found is not None and found[1] > began and _agrees(found[0], control):
+                return _status_of(found[0])
+            if telemetry.now() - sent >= _REPEAT:
+                self._vehicle.component.send(control)
+                sent = telemetry.now()
+            await asyncio.sleep(_POLL)
+
+
+def _check(squawk: str, flight_id: str, emergency: int) -> None:
+    if not _SQUAWK.fullmatch(squawk):
+        raise InvalidArgumentError(f"a squawk must be four digits from 0 to 7, got {squawk!r}")
+    if not _FLIGHT_ID.fullmatch(flight_id):
+        raise InvalidArgumentError(f"a flight id must be up to 8 of A to Z, 0 to 9, space, got {flight_id!r}")
+    if emergency not in iter(uavionix.UavionixAdsbEmergencyStatus):
+        raise InvalidArgumentError(f"an emergency must be 0 to 7, got {emergency}")
+
+
+def _agrees(report: uavionix.UavionixAdsbOutStatus, control: uavionix.UavionixAdsbOutControl) -> bool:
+    same_modes = int(report.state) & _COMPARED == int(control.state) & _COMPARED
+    return same_modes and (report.squawk, report.flight_id) == (control.squawk, control.flight_id)
+
+
+def _status_of(report: uavionix.UavionixAdsbOutStatus) -> TransponderStatus:
+    state = int(report.state)
+    return TransponderStatus(
+        f"{report.squawk:04d}",
+        report.flight_id,
+        bool(state & _POSITION_REPORTS),
+        bool(state & _STATE.MODE_C_ENABLED),
+        bool(state & _STATE.IDENT_ACTIVE),
+        bool(state & _STATE.ON_GROUND),
+        report.boardTemp,
+        tuple(each.name or "" for each in uavionix.UavionixAdsbOutStatusFault if int(report.fault) & each),
+    )

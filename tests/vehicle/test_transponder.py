@@ -1,0 +1,53 @@
+"""The transponder of a simulated ArduPilot, as a ground station sets it."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import uavionix
+from mavstack.errors import ActionTimeout, InvalidArgumentError
+from mavstack.vehicle.transponder import TransponderStatus
+
+
+@pytest.mark.vehicle(firmware="ardupilot")
+def test_a_transponder_is_set(virtual_vehicle):
+    async def flight(vehicle):
+        assert vehicle.transponder.status is None
+        await vehicle.params.set("ADSB_TYPE", 3)
+        lost = uavionix.UavionixAdsbEmergencyStatus.NO_COMM_EMERGENCY
+        found = await vehicle.transponder.set(squawk="7600", flight_id="LX 1", ident=True, emergency=lost)
+        assert found == TransponderStatus("7600", "LX 1", True, True, True, True, 35)
+        assert vehicle.transponder.status == found
+        standby = await vehicle.transponder.set(squawk="0021", transmits=False)
+        assert standby == TransponderStatus("0021", "", False, False, False, True, 35)
+        assert not (await vehicle.transponder.set(altitude=False)).altitude
+
+    virtual_vehicle.run(flight)
+
+
+@pytest.mark.vehicle(firmware="ardupilot")
+def test_a_vehicle_without_transponder(virtual_vehicle):
+    async def flight(vehicle):
+        with pytest.raises(ActionTimeout, match="setting the transponder of 1/1 failed: not done in 3 s"):
+            await vehicle.transponder.set(timeout=3)
+
+    virtual_vehicle.run(flight)
+
+
+@pytest.mark.vehicle(firmware="ardupilot")
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        ({"squawk": "7800"}, "a squawk must be four digits from 0 to 7, got '7800'"),
+        ({"squawk": "12"}, "squawk"),
+        ({"flight_id": "lx1"}, "a flight id must be up to 8 of A to Z"),
+        ({"flight_id": "ABCDEFGHI"}, "flight id"),
+        ({"emergency": 8}, "an emergency must be 0 to 7, got 8"),
+    ],
+)
+def test_impossible_values_are_not_sent(virtual_vehicle, values, problem):
+    async def flight(vehicle):
+        with pytest.raises(InvalidArgumentError, match=problem):
+            await vehicle.transponder.set(**values)
+
+    virtual_vehicle.run(flight)
