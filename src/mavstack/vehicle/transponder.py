@@ -149,7 +149,7 @@ def _check(squawk: str, flight_id: str, emergency: int) -> None:
         raise InvalidArgumentError(f"a squawk must be four digits from 0 to 7, got {squawk!r}")
     if not _FLIGHT_ID.fullmatch(flight_id):
         raise InvalidArgumentError(f"a flight id must be up to 8 of A to Z, 0 to 9, space, got {flight_id!r}")
-    if emergency not in iter(uavionix.UavionixAdsbEmergencyStatus):
+    if emergency not in range(len(uavionix.UavionixAdsbEmergencyStatus)):
         raise InvalidArgumentError(f"an emergency must be 0 to 7, got {emergency}")
 
 

@@ -100,7 +100,7 @@ def test_datagrams_that_the_estimator_uses(capsys):
 def test_a_wind_is_sent_and_an_impossible_one_is_not(feed):
     assert "1 records sent, 0 refused" in feed("wind", "6.5,240,1,10").out
     done = feed("wind", "200,240", code=1)
-    assert "record 1: a wind must be 0 to 100 m/s, got 200" in done.err
+    assert "a wind must be 0 to 100 m/s, got 200" in done.err
     assert "0 records sent, 1 refused" in done.out
 
 
