@@ -54,7 +54,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("seeds", blocks_of(metafunc.config), indirect=True, ids=str)
 
 
-#: What leaves cores idle if it begins late: long tests, and groups, whose tests run one after another.
+#: Long tests and groups, whose tests run one after another: if they begin late, cores are idle at the end.
 _FIRST = ("long", "xdist_group")
 
 

@@ -154,7 +154,7 @@ class _Translator:
 
     def _translate(self, keys: object, value: dict[str, Any], place: str | None) -> None:
         """Replace the texts under some keys; without a place their translation is that of all equal texts."""
-        for key in filter(_is_text, keys) if isinstance(keys, list) else ():
+        for key in [key for key in keys if isinstance(key, str)] if isinstance(keys, list) else ():
             match value.get(key):
                 case str(text):
                     value[key] = self._text(place, key, text, "")
@@ -166,10 +166,6 @@ class _Translator:
             return text
         name = f"{_GLOBALS}/{key}/{text}" if place is None else f"{place}/{key}{suffix}"
         return self._translations.get(name, text)
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
 
 
 def _named(entries: list[Any], key: object) -> Iterator[tuple[str, Any]]:

@@ -32,7 +32,7 @@ from mavstack.sim.ardupilot.terrain import register_terrain
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.ardupilot.traffic_avoidance import TrafficAvoidance
 from mavstack.sim.ardupilot.traffic_evasion import CopterEvasion, PlaneEvasion
-from mavstack.sim.ardupilot.transponder import register_transponder
+from mavstack.sim.ardupilot.transponder import TransponderPort
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.external_range import ExternalRange
 from mavstack.sim.autopilot.firmware_profile import FirmwareProfile
@@ -124,7 +124,7 @@ class ArdupilotProfile(FirmwareProfile):
         register_external_vision(vehicle)
         OriginReceiver.add_to(vehicle)
         register_follow(vehicle)
-        register_transponder(vehicle)
+        vehicle.engine.add(TransponderPort(vehicle))
         register_precision_landing(vehicle)
         CanDevices(vehicle)
         vehicle.engine.add(GpsPort(vehicle))

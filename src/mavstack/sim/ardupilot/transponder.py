@@ -41,11 +41,6 @@ _FIX_3D: Final = 3
 _GPS_EPOCH: Final = 315_964_800
 
 
-def register_transponder(vehicle: SimulatedVehicle) -> None:
-    """Add the autopilot's side of a transponder."""
-    vehicle.engine.add(TransponderPort(vehicle))
-
-
 class TransponderPort(Service):
     """The autopilot's side."""
 
