@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from mavstack.errors import InvalidArgumentError, InvalidStateError, LinkError
+from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.firmware_command import FirmwareCommand
 from mavstack.simulators.firmware_process import FirmwareProcess
 from mavstack.simulators.firmware_session import FirmwareOptions, FirmwareSession
@@ -96,6 +97,17 @@ async def test_a_program_that_cannot_start_is_reported(tmp_path):
 def test_wrong_options_are_refused(changes, problem):
     with pytest.raises(InvalidArgumentError, match=problem):
         FirmwareSession(FirmwareOptions(**{"firmware": "ardupilot"} | changes))
+
+
+@pytest.mark.parametrize(
+    ("firmware", "vehicle", "altitude"),
+    [("ardupilot", "sub", 0.0), ("ardupilot", "boat", 488.0), ("px4", "sub", 488.0)],
+)
+def test_submarines_of_ardupilot_begin_at_sea_level(firmware, vehicle, altitude):
+    session = FirmwareSession(FirmwareOptions(firmware, vehicle=vehicle))
+    assert session.simulator.home.altitude == altitude
+    given = FirmwareOptions(firmware, vehicle=vehicle, home=DEFAULT_HOME)
+    assert FirmwareSession(given).simulator.home == DEFAULT_HOME
 
 
 def test_urls_of_the_vehicles():

@@ -15,7 +15,7 @@ def test_a_transponder_is_set(virtual_vehicle):
         assert vehicle.transponder.status is None
         await vehicle.params.set("ADSB_TYPE", 3)
         lost = uavionix.UavionixAdsbEmergencyStatus.NO_COMM_EMERGENCY
-        found = await vehicle.transponder.set(squawk="7600", flight_id="LX 1", ident=True, emergency=lost)
+        found = await vehicle.transponder.set(squawk="7600", flight_id="LX 1  ", ident=True, emergency=lost)
         assert found == TransponderStatus("7600", "LX 1", True, True, True, True, 35)
         assert vehicle.transponder.status == found
         standby = await vehicle.transponder.set(squawk="0021", transmits=False)

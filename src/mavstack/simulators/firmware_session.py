@@ -59,7 +59,7 @@ class FirmwareOptions:
         binary: The program; None: the user starts it.
         vehicle: The kind of the vehicle; None: the one that the physics moves.
         physics: The name of the physics; None: the body of the vehicle.
-        home: The place and heading at the start.
+        home: The place and heading at the start; None: the default one of the vehicle.
         listen: Where the firmware connects; None: its usual port.
         speed: Simulated seconds in a real second; 0: as fast as possible.
         seed: Seed of the sensors' noise.
@@ -77,7 +77,7 @@ class FirmwareOptions:
     binary: str | None = None
     vehicle: str | None = None
     physics: str | None = None
-    home: Home = DEFAULT_HOME
+    home: Home | None = None
     listen: str | None = None
     speed: float = 1.0
     seed: int = 1
@@ -122,8 +122,9 @@ class FirmwareSession:
             raise InvalidArgumentError(f"there is no vehicle {self.vehicle!r}: {', '.join(VEHICLES)}")
         if options.instance < 0:
             raise InvalidArgumentError(f"the instance must be 0 or more, got {options.instance}")
-        self.options = options
-        self.simulator: Simulator = _simulator(options, options.physics or self.vehicle, on_event)
+        home = options.home or default_home(options.firmware, self.vehicle)
+        self.options, self._home = options, home
+        self.simulator: Simulator = _simulator(options, home, options.physics or self.vehicle, on_event)
         self._on_line = on_line
         self._serves = asyncio.Event()
         self._process: FirmwareProcess | None = None
@@ -210,7 +211,7 @@ class FirmwareSession:
             return betaflight_command(binary)
         return ardupilot_command(
             binary,
-            home=options.home,
+            home=self._home,
             vehicle=self.vehicle,
             instance=options.instance,
             speed=options.speed,
@@ -232,9 +233,24 @@ class FirmwareSession:
         await stack.enter_async_context(Router(RouterConfig(tuple(endpoints))))
 
 
-def _simulator(options: FirmwareOptions, physics: str, on_event: Callable[[str], None]) -> Simulator:
+def default_home(firmware: str, vehicle: str) -> Home:
+    """Return where a vehicle is at the start if nothing else is said.
+
+    A submarine of ArduPilot is at sea level: its simulated pressure counts from there, and would be negative.
+
+    Args:
+        firmware: The name of the firmware.
+        vehicle: The kind of the vehicle.
+    """
+    is_at_sea = firmware == "ardupilot" and vehicle == "sub"
+    return DEFAULT_HOME._replace(altitude=0.0) if is_at_sea else DEFAULT_HOME
+
+
+def _simulator(
+    options: FirmwareOptions, home: Home, physics: str, on_event: Callable[[str], None]
+) -> Simulator:
     """Return the world of a firmware."""
-    home, seed, equipment = options.home, options.seed, options.equipment
+    seed, equipment = options.seed, options.equipment
     if options.firmware == "px4":
         return Px4Simulator(
             physics,

@@ -155,14 +155,15 @@ def _check(squawk: str, flight_id: str, emergency: int) -> None:
 
 def _agrees(report: uavionix.UavionixAdsbOutStatus, control: uavionix.UavionixAdsbOutControl) -> bool:
     same_modes = int(report.state) & _COMPARED == int(control.state) & _COMPARED
-    return same_modes and (report.squawk, report.flight_id) == (control.squawk, control.flight_id)
+    same_flight = report.flight_id.rstrip() == control.flight_id.rstrip()  # some fill it with spaces
+    return same_modes and same_flight and report.squawk == control.squawk
 
 
 def _status_of(report: uavionix.UavionixAdsbOutStatus) -> TransponderStatus:
     state = int(report.state)
     return TransponderStatus(
         f"{report.squawk:04d}",
-        report.flight_id,
+        report.flight_id.rstrip(),
         bool(state & _POSITION_REPORTS),
         bool(state & _STATE.MODE_C_ENABLED),
         bool(state & _STATE.IDENT_ACTIVE),

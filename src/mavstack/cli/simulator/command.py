@@ -15,7 +15,6 @@ from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.sim.arguments import home
 from mavstack.cli.simulator.foreign import add_vehicle_arguments
 from mavstack.cli.simulator.running import fly_firmware, fly_hardware
-from mavstack.sim.vehicle_types import DEFAULT_HOME
 from mavstack.simulators.ardupilot_simulator import ARDUPILOT_PORT
 from mavstack.simulators.betaflight import BRIDGES, MOTOR_ORDERS
 from mavstack.simulators.betaflight_simulator import BETAFLIGHT_PORT
@@ -132,9 +131,8 @@ def _add_world(action: ArgumentParser, physics: str | None) -> None:
     add(
         "--home",
         type=home,
-        default=DEFAULT_HOME,
         metavar="LAT,LON,ALT,HDG",
-        help="the place at the start: degrees, metres above sea, heading in degrees",
+        help="the place at the start: degrees, metres above sea, heading in degrees (default: by vehicle)",
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of the sensors' noise (default: 1)")
     add(

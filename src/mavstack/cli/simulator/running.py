@@ -15,8 +15,10 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import InvalidArgumentError, LinkError
 from mavstack.geodesy import LocalFrame
-from mavstack.simulators.firmware_session import FirmwareOptions, FirmwareSession
+from mavstack.sim.vehicle_types import DEFAULT_HOME
+from mavstack.simulators.firmware_session import FirmwareOptions, FirmwareSession, default_home
 from mavstack.simulators.hardware_simulator import HardwareSimulator
+from mavstack.simulators.physics import vehicle_of
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -105,7 +107,7 @@ def _options(arguments: Namespace, number: int) -> FirmwareOptions:
         binary=arguments.binary,
         vehicle=arguments.vehicle,
         physics=arguments.physics,
-        home=_beside(arguments.home, number),
+        home=_beside(arguments.home or _default_home(arguments), number),
         listen=arguments.listen,
         speed=arguments.speed,
         seed=arguments.seed + number,
@@ -119,6 +121,10 @@ def _options(arguments: Namespace, number: int) -> FirmwareOptions:
     if arguments.firmware == "px4":
         return replace(options, model=arguments.model)
     return replace(options, out=tuple(arguments.out))
+
+
+def _default_home(arguments: Namespace) -> Home:
+    return default_home(arguments.firmware, arguments.vehicle or vehicle_of(arguments.physics))
 
 
 def _parameter(text: str) -> tuple[str, float]:
@@ -160,7 +166,7 @@ async def _fly_hardware(arguments: Namespace) -> int:
         arguments.physics,
         arguments.link,
         firmware=arguments.firmware,
-        home=arguments.home,
+        home=arguments.home or DEFAULT_HOME,
         seed=arguments.seed,
         on_connect=report.connected,
     )
