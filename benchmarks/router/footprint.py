@@ -10,6 +10,7 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from statistics import median
 from time import monotonic, sleep
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 PACKETS_PER_SECOND = 500
+#: Numbers of programs to which the packets of the vehicle go.
+CLIENTS = (1, 4)
 DURATION = 5.0
 IDLE = 2.0
 FLOOR = "Python with asyncio"
@@ -41,38 +44,41 @@ class Footprint(NamedTuple):
 
 
 def report(options: argparse.Namespace) -> None:
-    """Measure all programs that are given, and print the table."""
-    commands: dict[str, Sequence[str]] = {
-        "mav route": [
-            *(sys.executable, "-m", "mavstack", "route"),
-            *("-e", f"udpin://{HOST}:{LISTEN}", "-e", f"udpout://{HOST}:{TO}"),
-        ]
+    """Measure all programs that are given, and print a table for each number of clients."""
+    for clients in CLIENTS:
+        commands = _commands(options, clients)
+        turns: dict[str, list[Footprint]] = {name: [] for name in commands}
+        for turn in range(options.turns + 1):
+            for name, command in commands.items():
+                found = measure(command, clients)
+                if turn:
+                    turns[name].append(found)
+        _print(clients, {name: _median(found) for name, found in turns.items()}, _memory_of_floor())
+
+
+def _commands(options: argparse.Namespace, clients: int) -> dict[str, Sequence[str]]:
+    places = [f"{HOST}:{TO + number}" for number in range(clients)]
+    ours = [word for place in places for word in ("-e", f"udpout://{place}")]
+    found: dict[str, Sequence[str]] = {
+        "mav route": [sys.executable, "-m", "mavstack", "route", "-e", f"udpin://{HOST}:{LISTEN}", *ours]
     }
     if options.mavlink_router:
-        commands["mavlink-router"] = [
-            *(options.mavlink_router, "-t", "0", "-e", f"{HOST}:{TO}", f"{HOST}:{LISTEN}")
-        ]
-    turns: dict[str, list[Footprint]] = {name: [] for name in commands}
-    for turn in range(options.turns + 1):
-        for name, command in commands.items():
-            found = measure(command)
-            if turn:
-                turns[name].append(found)
-    _print({name: _median(found) for name, found in turns.items()}, _memory_of_floor())
+        theirs = [word for place in places for word in ("-e", place)]
+        found["mavlink-router"] = [options.mavlink_router, "-t", "0", *theirs, f"{HOST}:{LISTEN}"]
+    return found
 
 
 def _median(turns: Sequence[Footprint]) -> Footprint:
     return Footprint(*(median(figures) for figures in zip(*turns, strict=True)))
 
 
-def measure(command: Sequence[str]) -> Footprint:
+def measure(command: Sequence[str], clients: int) -> Footprint:
     """Run one router, and send packets through it."""
     null = subprocess.DEVNULL
-    with (
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
-    ):
-        receiver.bind((HOST, TO))
+    with ExitStack() as stack:
+        sender, *receivers = [stack.enter_context(_udp_socket()) for _ in range(1 + clients)]
+        for number, receiver in enumerate(receivers):
+            receiver.bind((HOST, TO + number))
         environment, began = _environment(), monotonic()
         with subprocess.Popen(command, stdin=null, stdout=null, stderr=null, env=environment) as process:
             try:
@@ -85,6 +91,10 @@ def measure(command: Sequence[str]) -> Footprint:
                 return Footprint(start, _memory(process.pid), load)
             finally:
                 process.kill()
+
+
+def _udp_socket() -> socket.socket:
+    return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
 
 def _send(sender: socket.socket) -> None:
@@ -118,8 +128,8 @@ def _memory(process: int) -> float:
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS:")) / 1024
 
 
-def _print(measured: Mapping[str, Footprint], floor: float) -> None:
-    title = f"start, memory, load at {PACKETS_PER_SECOND} packets/s"
+def _print(clients: int, measured: Mapping[str, Footprint], floor: float) -> None:
+    title = f"at {PACKETS_PER_SECOND} packets/s, clients: {clients}"
     print(f"{title:40}{'start s':>12}{'memory MB':>12}{'load %':>12}")
     for name, each in measured.items():
         print(f"{name:40}{each.start:12.2f}{each.memory:12.1f}{each.load * 100:12.2f}")
