@@ -33,6 +33,7 @@ VALUES = {
     "mavstack.vehicle.telemetry.values",
     "mavstack.vehicle.telemetry.values.HomePosition",
     "mavstack.vehicle.telemetry.values.Position",
+    "mavstack.vehicle.transponder.TransponderStatus",
     "mavstack.vehicle.vehicle_type.VehicleType",
 }
 
