@@ -54,10 +54,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("seeds", blocks_of(metafunc.config), indirect=True, ids=str)
 
 
-#: Long tests and groups, whose tests run one after another: if they begin late, cores are idle at the end.
-_FIRST = ("long", "xdist_group")
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     counts: Counter[tuple[str, str]] = Counter()
     for item in items:
@@ -75,7 +71,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             # External programs have timeouts in real time, which expire on a busy machine.
             item.add_marker(pytest.mark.flaky(reruns=2))
     check_that_files_name_tiers(items)
-    items.sort(key=lambda item: not any(map(item.get_closest_marker, _FIRST)))
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
 def pytest_collection_finish() -> None:

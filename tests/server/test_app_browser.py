@@ -20,7 +20,7 @@ from mavstack.server.app import STATIC
 from mavstack.sim.background import BackgroundSimulator
 from tools.compilers import find
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 ROOT = Path(__file__).parents[2]

@@ -11,7 +11,7 @@ from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import open_pages, web_station
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 #: Spoken texts are kept in `spoken`.

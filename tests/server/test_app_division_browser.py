@@ -14,7 +14,7 @@ from mavstack.sim.background import BackgroundSimulator
 from tests.server.browsing import hold, open_pages, web_station
 from tests.sim.running import make_ready
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 

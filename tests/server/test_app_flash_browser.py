@@ -18,7 +18,7 @@ from mavstack.wire import Encoder, Parser
 from tests.server.browsing import hold, open_pages, web_station
 from tests.server.web_serial import PORT
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 IMAGE = b"\x00\x10\x00\x20" + Random(5).randbytes(9000)

@@ -13,7 +13,7 @@ from mavstack.sim.fleet import Fleet
 from tests.server.browsing import hold, open_pages, web_station
 from tests.swarm.shows.samples import skyc
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 

@@ -17,7 +17,7 @@ from tests.server.browsing import open_pages, web_station
 from tests.server.web_serial import PORT
 from tests.sim.msp.peer import Peer
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 

@@ -16,7 +16,7 @@ from mavstack.sim.background import BackgroundSimulator
 from tests.logs.test_replay import dataflash
 from tools.compilers import find
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 SENDERS = ("udpin 127.0.0.1:40001", "udpin 127.0.0.1:40002")

@@ -16,7 +16,7 @@ from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import PATIENT, hold, open_pages, web_station
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 _DOWN = Rangefinder(common.MavSensorOrientation.PITCH_270)

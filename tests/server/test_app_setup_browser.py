@@ -13,7 +13,7 @@ from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import hold, open_pages, web_station
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 

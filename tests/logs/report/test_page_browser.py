@@ -17,7 +17,7 @@ from mavstack.logs.report.panels import PANELS, charts_of
 from tests.logs.analysis.telemetry import flight_tlog
 from tools.compilers import find
 
-pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("second chromium")]
+pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 #: Width and height of screens, and their pixels in each of a page.
