@@ -127,6 +127,7 @@ async def test_rotorpys_px4_vehicle_flies_a_simulated_px4(capsys):
     )
 
 
+@pytest.mark.nightly
 async def test_rotorpys_ardupilot_vehicle_flies_a_simulated_ardupilot(monkeypatch, capsys):
     module = ModuleType("ArduPilotPlugin")
     module.ArduPilotPlugin = Plugin
