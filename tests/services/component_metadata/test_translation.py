@@ -152,3 +152,13 @@ def test_any_rules_and_any_bytes(document, rules, data):
     for read in (parse_translations, lambda data: find_locale(data, "de")):
         with suppress(MetadataError):
             read(data)
+
+
+def test_rules_that_reach_values_in_too_many_ways():
+    value = [0] * 50
+    for _ in range(14):
+        value = {"x": value}
+    again = {"$ref": "#/$defs/all"}
+    rules = {**again, "$defs": {"all": {"items": {"x": again, "*": again}, "list": {}}}}
+    with pytest.raises(MetadataError, match="nested too deeply"):
+        translated({"x": value}, rules, {})

@@ -44,6 +44,8 @@ _GLOBALS: Final = "$globals"
 _REFERENCE: Final = "#/$defs/"
 #: Maximum depth of rules; references may be recursive.
 _MAX_DEPTH: Final = 32
+#: Maximum number of values to which rules are applied: rules may reach the same value in many ways.
+_MAX_STEPS: Final = 300_000
 #: The document type of all TS files; any other one is refused by the XML reader.
 _DOCTYPE: Final = re.compile(rb"<!DOCTYPE\s+TS\s*>")
 
@@ -126,10 +128,12 @@ class _Translator:
 
     def __init__(self, translations: Mapping[str, str], definitions: Mapping[str, Any]) -> None:
         self._translations, self._definitions = translations, definitions
+        self._steps = 0
 
     def apply(self, rules: Mapping[str, Any], value: object, place: str = "", depth: int = 0) -> None:
         """Translate a value by its rules; `place` is the name of the value."""
-        if depth > _MAX_DEPTH:
+        self._steps += 1
+        if depth > _MAX_DEPTH or self._steps > _MAX_STEPS:
             raise MetadataError("the rules of the translation are nested too deeply")
         entries, nested = rules.get("list"), rules.get("items")
         if isinstance(entries, dict) and isinstance(value, list):
@@ -154,8 +158,8 @@ class _Translator:
 
     def _translate(self, keys: object, value: dict[str, Any], place: str | None) -> None:
         """Replace the texts under some keys; without a place their translation is that of all equal texts."""
-        for key in [key for key in keys if isinstance(key, str)] if isinstance(keys, list) else ():
-            match value.get(key):
+        for key in keys if isinstance(keys, list) else ():
+            match value.get(key) if isinstance(key, str) else None:
                 case str(text):
                     value[key] = self._text(place, key, text, "")
                 case list(texts):
