@@ -104,6 +104,7 @@ def test_an_empty_packet_starts_no_session():
     pair = Pair()
     pair.run(1)
     assert pair.program.send(b"", pair.now)
+    assert pair.program.data_to_send() == b""
     pair.run(600)
     assert pair.program.statistics.sessions == pair.program.statistics.dropped == 0
     assert pair.program.next_timeout() is None

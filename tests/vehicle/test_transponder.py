@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.dialects import uavionix
 from mavstack.errors import ActionTimeout, InvalidArgumentError
-from mavstack.vehicle.transponder import TransponderStatus
+from mavstack.vehicle.transponder import TransponderStatus, _agrees
 
 
 @pytest.mark.vehicle(firmware="ardupilot")
@@ -21,8 +21,19 @@ def test_a_transponder_is_set(virtual_vehicle):
         standby = await vehicle.transponder.set(squawk="0021", transmits=False)
         assert standby == TransponderStatus("0021", "", False, False, False, True, 35)
         assert not (await vehicle.transponder.set(altitude=False)).altitude
+        await vehicle.params.set("ADSB_TYPE", 0)
+        with pytest.raises(ActionTimeout):  # the last report agrees, but is older
+            await vehicle.transponder.set(altitude=False, timeout=3)
 
     virtual_vehicle.run(flight)
+
+
+def test_a_report_agrees_in_modes_squawk_and_flight():
+    control = uavionix.UavionixAdsbOutControl(state=128, squawk=7000, flight_id="LX1")
+    same = {"state": 128 | 1, "squawk": 7000, "flight_id": "LX1  "}
+    assert _agrees(uavionix.UavionixAdsbOutStatus(**same), control)
+    for change in ({"state": 0}, {"squawk": 1200}, {"flight_id": "LX2"}):
+        assert not _agrees(uavionix.UavionixAdsbOutStatus(**same | change), control)
 
 
 @pytest.mark.vehicle(firmware="ardupilot")
