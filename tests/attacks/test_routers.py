@@ -41,7 +41,13 @@ def test_nothing_passes_without_signing(name, scenario, variant):
         assert scenario(field) == 0, name
 
 
-@pytest.mark.parametrize("name", STATION)
+#: Large definitions compute for so long that other tests at the same time exceed their limits.
+STATION_ATTACKS = [
+    pytest.param(name, marks=pytest.mark.nightly if "2.8 MB" in name else ()) for name in STATION
+]
+
+
+@pytest.mark.parametrize("name", STATION_ATTACKS)
 def test_errors_of_a_station_do_not_reveal_files(name):
     with opened_station() as field:
         assert STATION[name](field) == 0

@@ -110,6 +110,7 @@ def test_a_show_is_checked_and_played(page) -> None:
     playwright.expect(panel.get_by_role("alert")).to_contain_text("m apart at")
 
 
+@pytest.mark.nightly
 def test_a_show_is_flown_paused_and_stopped(page) -> None:
     page.get_by_label("Open a show").set_input_files(
         {"name": "circle.skyc", "mimeType": "application/zip", "buffer": skyc(3, radius=20.0)}

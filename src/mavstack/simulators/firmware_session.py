@@ -234,7 +234,7 @@ class FirmwareSession:
 
 
 def default_home(firmware: str, vehicle: str) -> Home:
-    """Return where a vehicle is at the start if nothing else is said.
+    """Return where a vehicle is at the start, unless a place is given.
 
     A submarine of ArduPilot is at sea level: its simulated pressure counts from there, and would be negative.
 

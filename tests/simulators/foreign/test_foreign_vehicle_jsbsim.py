@@ -11,7 +11,7 @@ pytest.importorskip("jsbsim")
 pytestmark = pytest.mark.interop
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 async def test_a_plane_takes_off_on_jsbsim():
     world = ArduPilotSimulator("jsbsim:J3Cub", listen="udpin://127.0.0.1:0")
     async with running(world), flown("ardupilot", "plane", world.port) as (made, vehicle):

@@ -106,7 +106,7 @@ async def fly(firmware, port, simulation):
         await asyncio.to_thread(simulation.join, 2 * PATIENT)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 async def test_rotorpys_px4_vehicle_flies_a_simulated_px4(capsys):
     from rotorpy.vehicles.px4_multirotor import PX4Multirotor
     from rotorpy.vehicles.px4_sihsim_quadx_params import quad_params
