@@ -11,6 +11,7 @@ import pytest
 from hypothesis import is_hypothesis_test, settings
 
 from tests.seeds import REPORT, Seeds, blocks_of
+from tests.sharing import pytest_runtest_makereport  # noqa: F401 (hook)
 from tests.tiers import check_that_files_name_tiers
 from tests.time_limits import (  # noqa: F401 (hooks)
     pytest_runtest_call,

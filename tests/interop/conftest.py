@@ -8,10 +8,12 @@ import pytest
 
 from mavstack.sim import BackgroundSimulator
 from tests.interop.station import StationServer, chromium, station_server
+from tests.sharing import shared_until_failure
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +32,15 @@ def simulator() -> Iterator[BackgroundSimulator]:
         yield running
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: Any) -> Iterator[StationServer]:
-    """A station with a simulated copter that is ready to fly."""
-    with station_server(tmp_path_factory.mktemp("recordings")) as running:
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[StationServer]:
+    """A station with a simulated copter that is ready to fly, for a test that changes the vehicle."""
+    with station_server(tmp_path) as running:
+        yield running
+
+
+@shared_until_failure
+def seen_server(folder: Path) -> Iterator[StationServer]:
+    """A station with a simulated copter, for tests that leave the vehicle as it is."""
+    with station_server(folder) as running:
         yield running

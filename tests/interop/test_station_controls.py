@@ -21,11 +21,13 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.interop.control_crawler import MAX_ACTIONS, Report, crawl
 from tests.server.browsing import open_pages, web_station
 from tests.server.web_serial import PORT
+from tests.sharing import shared_until_failure
 from tests.sim.msp.peer import Peer
 from tests.sim.running import make_ready
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(600)]
 
@@ -83,14 +85,16 @@ REFUSALS = re.compile(r"status of (400|403|404|409|501|502|503|504)")
 class World:
     """The stations of the module, each with two vehicles or a flight controller, and a browser."""
 
-    def __init__(self, steps: ExitStack, new_folder: Any) -> None:
-        self._steps, self._new_folder = steps, new_folder
+    def __init__(self, steps: ExitStack, folder: Path) -> None:
+        self._steps, self._folder = steps, folder
         self.new_page = steps.enter_context(open_pages(REFUSALS))
         self.url_of = cache(self._url_of)
 
     def _url_of(self, firmware: str) -> str:
         vehicle = self._steps.enter_context(vehicle_of(firmware))
-        return str(self._steps.enter_context(web_station(self._new_folder(firmware), vehicle.url)))
+        folder = self._folder / firmware
+        folder.mkdir()
+        return str(self._steps.enter_context(web_station(folder, vehicle.url)))
 
     def crawl(self, view: str, firmware: str, phone: bool, actions: int = MAX_ACTIONS) -> Report:
         """Use the controls of a view."""
@@ -105,10 +109,10 @@ class World:
             page.context.close()
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+@shared_until_failure
+def world(folder: Path) -> Iterator[World]:
     with ExitStack() as steps:
-        yield World(steps, tmp_path_factory.mktemp)
+        yield World(steps, folder)
 
 
 def vehicle_of(firmware: str) -> BackgroundSimulator | BackgroundFlightController:

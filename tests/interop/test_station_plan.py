@@ -139,11 +139,11 @@ def draw_all(shown: StationPage, url: str) -> None:
 
 
 def test_files_of_the_page_and_of_python_are_the_same(
-    server: StationServer, browser: Any, tmp_path: Path
+    seen_server: StationServer, browser: Any, tmp_path: Path
 ) -> None:
     mavwp = pytest.importorskip("pymavlink.mavwp")
-    with station_page(browser, server.url, DESKTOP) as shown:
-        draw_all(shown, server.url)
+    with station_page(browser, seen_server.url, DESKTOP) as shown:
+        draw_all(shown, seen_server.url)
         drawn = saved_plan(shown)
         for name in ("plan", "json"):
             read = parse_plan(saved_text(shown, name))
@@ -166,9 +166,9 @@ def test_files_of_the_page_and_of_python_are_the_same(
             assert name == "waypoints" or found == drawn
 
 
-def test_work_is_not_lost(server: StationServer, browser: Any) -> None:
-    with station_page(browser, server.url, DESKTOP) as shown:
-        draw_all(shown, server.url)
+def test_work_is_not_lost(seen_server: StationServer, browser: Any) -> None:
+    with station_page(browser, seen_server.url, DESKTOP) as shown:
+        draw_all(shown, seen_server.url)
         draw(shown, "s", (-90, -60), (90, -60), (90, 60))
         shown.wait_for("lanes,")
         # The last corner is taken back, not the last edit.
@@ -193,9 +193,9 @@ def test_work_is_not_lost(server: StationServer, browser: Any) -> None:
         shown.page.locator("#plan-item-3").wait_for()
 
 
-def test_wrong_files_are_reported_in_one_line(server: StationServer, browser: Any) -> None:
-    with station_page(browser, server.url, DESKTOP) as shown:
-        shown.page.goto(f"{server.url}#/plan")
+def test_wrong_files_are_reported_in_one_line(seen_server: StationServer, browser: Any) -> None:
+    with station_page(browser, seen_server.url, DESKTOP) as shown:
+        shown.page.goto(f"{seen_server.url}#/plan")
         for name, text, reason in (
             ("map.kmz", "PK\x03\x04…", "the file is an archive"),
             ("notes.txt", "latitude;longitude", "the file is no plan"),
@@ -242,9 +242,9 @@ def test_a_parameter_and_a_sensor_are_set_up(server: StationServer, browser: Any
         shown.wait_for("The calibration is done.")
 
 
-def test_plan_and_set_up_fit_a_phone(server: StationServer, browser: Any) -> None:
-    with station_page(browser, server.url, PHONE, "light") as shown:
-        shown.page.goto(f"{server.url}#/plan")
+def test_plan_and_set_up_fit_a_phone(seen_server: StationServer, browser: Any) -> None:
+    with station_page(browser, seen_server.url, PHONE, "light") as shown:
+        shown.page.goto(f"{seen_server.url}#/plan")
         tools = shown.page.get_by_role("toolbar").get_by_role("button")
         tools.first.wait_for(timeout=PATIENT)
         boxes = [tools.nth(index).bounding_box() for index in range(tools.count())]
@@ -255,7 +255,7 @@ def test_plan_and_set_up_fit_a_phone(server: StationServer, browser: Any) -> Non
         for tab in ("Fence", "Rally", "Checks", "Mission"):
             shown.page.get_by_role("tab", name=tab).click()
             assert shown.page.evaluate("document.documentElement.scrollWidth") == PHONE[0]
-        shown.page.goto(f"{server.url}#/setup")
+        shown.page.goto(f"{seen_server.url}#/setup")
         for section in ("Flight modes", "Failsafes", "Motors and outputs", "Estimator", "Calibration"):
             shown.button(section).click()
             assert shown.page.evaluate("document.documentElement.scrollWidth") == PHONE[0]

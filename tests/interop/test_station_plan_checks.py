@@ -75,9 +75,9 @@ def slope(home: dict[str, float], gradient: float) -> dict[str, Any]:
     return {"name": name, "mimeType": "application/octet-stream", "buffer": data}
 
 
-def test_a_corridor_is_checked_with_terrain_and_fence(server: StationServer, browser: Any) -> None:
-    with station_page(browser, server.url, DESKTOP) as shown:
-        show_plan(shown, server.url)
+def test_a_corridor_is_checked_with_terrain_and_fence(seen_server: StationServer, browser: Any) -> None:
+    with station_page(browser, seen_server.url, DESKTOP) as shown:
+        show_plan(shown, seen_server.url)
         draw_corridor(shown)
         assert near(shown.drawn(), MISSION) > 300
         drawn = saved_plan(shown)["mission"]
@@ -105,12 +105,12 @@ def terrarium(height: float) -> tuple[int, int, int]:
     return steps >> 16, steps >> 8 & 0xFF, steps & 0xFF
 
 
-def test_terrain_of_tiles_is_checked(server: StationServer, browser: Any) -> None:
-    ground = server.state()["home"]["altitude"] + 12
+def test_terrain_of_tiles_is_checked(seen_server: StationServer, browser: Any) -> None:
+    ground = seen_server.state()["home"]["altitude"] + 12
     tiles = {"terrain.png": picture(terrarium(ground))}
-    with tile_server(tiles) as address, station_page(browser, server.url, DESKTOP) as shown:
+    with tile_server(tiles) as address, station_page(browser, seen_server.url, DESKTOP) as shown:
         shown.expect_problems(address)
-        show_plan(shown, server.url)
+        show_plan(shown, seen_server.url)
         draw_corridor(shown)
         show_checks(shown)
         shown.page.get_by_label("Address of terrain tiles").fill(f"{address}/{{z}}/{{x}}/{{y}}/terrain.png")

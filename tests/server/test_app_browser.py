@@ -18,6 +18,7 @@ import pytest
 
 from mavstack.server.app import STATIC
 from mavstack.sim.background import BackgroundSimulator
+from tests.sharing import shared_until_failure
 from tools.compilers import find
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
@@ -60,12 +61,11 @@ def csv_senders():
         thread.join()
 
 
-@pytest.fixture(scope="module")
-def station(tmp_path_factory):
+@shared_until_failure
+def station(folder):
     """`mav web` with two simulated copters and two drones that send CSV; its URL."""
     if not (STATIC / "index.html").is_file():
         pytest.skip("the pages are not built")
-    folder = tmp_path_factory.mktemp("recordings")
     with ExitStack() as steps:
         copters = steps.enter_context(BackgroundSimulator("copter", count=2))
         ports = steps.enter_context(csv_senders())
@@ -78,8 +78,8 @@ def station(tmp_path_factory):
         yield json.loads(process.stdout.readline())["url"]
 
 
-@pytest.fixture(scope="module")
-def page(station):
+@shared_until_failure
+def page(_folder):
     """A page of the station, whose console must be empty in the end."""
     path = find("chromium")
     if path is None:

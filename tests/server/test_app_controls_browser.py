@@ -10,6 +10,7 @@ import pytest
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import open_pages, web_station
+from tests.sharing import shared_until_failure
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
@@ -22,8 +23,8 @@ Object.defineProperty(window, 'speechSynthesis', { value: voice })
 """
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
+@shared_until_failure
+def world(folder):
     """A copter with gripper, winch and Remote ID; the simulation, the URL, a function for pages."""
     simulator = BackgroundSimulator(count=0, speed=4)
     simulation = simulator.simulation
@@ -32,7 +33,7 @@ def world(tmp_path_factory):
         copter.parameters.set(name, 1)
     with ExitStack() as steps:
         steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        url = steps.enter_context(web_station(folder, simulator.url))
         yield simulation, url, steps.enter_context(open_pages())
 
 

@@ -5,27 +5,31 @@ from __future__ import annotations
 import json
 import re
 from contextlib import ExitStack
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.request import urlopen
 
 import pytest
 
 from mavstack.sim.background import BackgroundSimulator
 from tests.server.browsing import hold, open_pages, web_station
+from tests.sharing import shared_until_failure
 from tests.sim.running import make_ready
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Any:
+@shared_until_failure
+def world(folder: Path) -> Any:
     """Two copters: the URL of their station, and a function for pages."""
     simulator = BackgroundSimulator(count=2)
     make_ready(simulator.simulation)
     with ExitStack() as steps:
         steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        url = steps.enter_context(web_station(folder, simulator.url))
         yield url, steps.enter_context(open_pages())
 
 

@@ -5,31 +5,39 @@ from __future__ import annotations
 import json
 import re
 from contextlib import ExitStack
+from functools import cache
 
 import pytest
 
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.fleet import Fleet
 from tests.server.browsing import hold, open_pages, web_station
+from tests.sharing import shared_until_failure
 from tests.swarm.shows.samples import skyc
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
+@shared_until_failure
+def world(folder):
     """Three copters; the URL of their station, and a function for pages."""
     with ExitStack() as steps:
         simulator = BackgroundSimulator(count=0, speed=4)
         Fleet(count=3).add_to(simulator.simulation)
         steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        url = steps.enter_context(web_station(folder, simulator.url))
         yield url, steps.enter_context(open_pages())
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def page(world):
+    return page_of(world)
+
+
+@cache
+def page_of(world):
+    """Return the page that the tests of these vehicles share."""
     url, new_page = world
     page = new_page(f"{url}#/swarm")
     playwright.expect(page.get_by_role("group", name="Members").get_by_role("checkbox")).to_have_count(3)

@@ -14,6 +14,7 @@ import pytest
 from mavstack.server.app import STATIC
 from mavstack.sim.background import BackgroundSimulator
 from tests.logs.test_replay import dataflash
+from tests.sharing import shared_until_failure
 from tools.compilers import find
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
@@ -22,12 +23,11 @@ playwright = pytest.importorskip("playwright.sync_api")
 SENDERS = ("udpin 127.0.0.1:40001", "udpin 127.0.0.1:40002")
 
 
-@pytest.fixture(scope="module")
-def station(tmp_path_factory):
+@shared_until_failure
+def station(folder):
     """`mav web` with two simulated copters; its URL."""
     if not (STATIC / "index.html").is_file():
         pytest.skip("the pages are not built")
-    folder = tmp_path_factory.mktemp("recordings")
     (folder / "flight.BIN").write_bytes(dataflash())
     with ExitStack() as steps:
         copters = steps.enter_context(BackgroundSimulator("copter", count=2))

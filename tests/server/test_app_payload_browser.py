@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from contextlib import ExitStack
+from functools import cache
 from urllib.request import urlopen
 
 import pytest
@@ -15,6 +16,7 @@ from mavstack.sim.motion.obstacles import Obstacle
 from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import PATIENT, hold, open_pages, web_station
+from tests.sharing import shared_until_failure
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
@@ -22,8 +24,8 @@ playwright = pytest.importorskip("playwright.sync_api")
 _DOWN = Rangefinder(common.MavSensorOrientation.PITCH_270)
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
+@shared_until_failure
+def world(folder):
     """A copter with a camera and a gimbal near a wall, and a PX4 VTOL; the URL, and a function for pages."""
     simulator = BackgroundSimulator(count=0)
     simulation = simulator.simulation
@@ -39,12 +41,18 @@ def world(tmp_path_factory):
     simulation.add(VehicleType.VTOL, Firmware.PX4, proximity=False)
     with ExitStack() as steps:
         steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        url = steps.enter_context(web_station(folder, simulator.url))
         yield url, steps.enter_context(open_pages())
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def page(world):
+    return page_of(world)
+
+
+@cache
+def page_of(world):
+    """Return the page that the tests of these vehicles share."""
     url, new_page = world
     page = new_page(f"{url}#/fly")
     playwright.expect(page.get_by_role("button", name="Choose a vehicle")).to_contain_text("Copter 1")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import ExitStack
+from functools import cache
 
 import pytest
 
@@ -12,25 +13,32 @@ from mavstack.sim.background import BackgroundSimulator
 from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.server.browsing import hold, open_pages, web_station
+from tests.sharing import shared_until_failure
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium")]
 playwright = pytest.importorskip("playwright.sync_api")
 
 
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
+@shared_until_failure
+def world(folder):
     """A copter of ArduPilot and one of PX4; the simulator, the URL, and a function for pages."""
     simulator = BackgroundSimulator(count=0)
     simulator.simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
     simulator.simulation.add(VehicleType.COPTER, Firmware.PX4)
     with ExitStack() as steps:
         steps.enter_context(simulator)
-        url = steps.enter_context(web_station(tmp_path_factory.mktemp("station"), simulator.url))
+        url = steps.enter_context(web_station(folder, simulator.url))
         yield simulator, url, steps.enter_context(open_pages())
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def page(world):
+    return page_of(world)
+
+
+@cache
+def page_of(world):
+    """Return the page that the tests of these vehicles share."""
     _, url, new_page = world
     page = new_page(f"{url}#/setup")
     playwright.expect(page.get_by_role("button", name="Choose a vehicle")).to_contain_text("Copter 1")
@@ -72,9 +80,10 @@ def test_a_change_of_the_airframe_is_shown_first(world, page) -> None:
     page.get_by_role("combobox", name="Arrangement of the motors").select_option(label="0: plus")
     playwright.expect(page.get_by_text("Sets FRAME_CLASS = 2, FRAME_TYPE = 0.")).to_be_visible()
     assert copter.parameters["FRAME_CLASS"] == 1
+    boots = copter.boots
     hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
     playwright.expect(page.get_by_text("The airframe is now: hexa, plus.")).to_be_visible()
-    assert (copter.parameters["FRAME_CLASS"], copter.boots) == (2, 2)
+    assert (copter.parameters["FRAME_CLASS"], copter.boots) == (2, boots + 1)
 
 
 def test_serial_ports_are_set_and_need_a_reboot(world, page) -> None:
@@ -86,8 +95,9 @@ def test_serial_ports_are_set_and_need_a_reboot(world, page) -> None:
     parameters = world[0].simulation.vehicles[0].parameters
     assert (parameters["SERIAL2_PROTOCOL"], parameters["SERIAL2_BAUD"]) == (9, 115)
     playwright.expect(page.get_by_text("A change takes effect after a reboot.").last).to_be_visible()
+    boots = world[0].simulation.vehicles[0].boots
     hold(page, page.get_by_role("button", name="Reboot"))
-    wait_until(page, lambda: world[0].simulation.vehicles[0].boots == 3)
+    wait_until(page, lambda: world[0].simulation.vehicles[0].boots == boots + 1)
     # The answer comes once the vehicle has started.
     assert page.request.get(f"{world[1]}api/vehicles/1/parameters/SERVO3_REVERSED").ok
 
