@@ -15,6 +15,7 @@ pytestmark = [pytest.mark.interop, needs_mavsdk]
 CMD = common.MavCmd
 
 
+@pytest.mark.nightly
 async def test_a_px4_plane() -> None:
     async with simulated_flight("plane", "px4") as flight:
         await flight.wait_for_telemetry("health_all_ok", True)
@@ -98,6 +99,7 @@ async def fly_guided(flight) -> None:
 
 
 @pytest.mark.parametrize("firmware", ["px4", "ardupilot"])
+@pytest.mark.flight_cases(1)
 async def test_quadplane_transitions(firmware: str) -> None:
     async with simulated_flight(
         "vtol", firmware, **{"px4": {}, "ardupilot": {"Q_RTL_MODE": 1}}[firmware]

@@ -71,6 +71,7 @@ def check_forms(page: Any, problems: dict[str, list[str]]) -> None:
     page.get_by_role("button", name="Done", exact=True).click()
 
 
+@pytest.mark.nightly
 def test_views_have_no_violations(tmp_path: Path) -> None:
     if not AXE.is_file():
         pytest.skip("axe-core is not installed: npm ci in web")

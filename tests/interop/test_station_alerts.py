@@ -57,6 +57,7 @@ def show_traffic(shown: StationPage, position: dict[str, float], port: int) -> N
 
 
 @pytest.mark.parametrize("firmware", FENCES)
+@pytest.mark.flight_cases(1)
 def test_a_pilot_is_alerted(firmware: str, browser: Any, tmp_path: Path) -> None:
     simulator = BackgroundSimulator(firmware=firmware, airborne=True)
     parameters, fence = FENCES[firmware]

@@ -136,6 +136,7 @@ def calibrate_compass_motor(view: SetupPage) -> None:
     finish(view)
 
 
+@pytest.mark.nightly
 def test_a_copter_with_ardupilot(browser: Any, tmp_path: Path) -> None:
     with set_up(browser, ready_vehicle("copter"), tmp_path) as view:
         assert kinds(view) == [
@@ -187,6 +188,7 @@ def test_a_plane_with_ardupilot(browser: Any, tmp_path: Path) -> None:
         finish(view)
 
 
+@pytest.mark.nightly
 def test_a_plane_with_px4(browser: Any, tmp_path: Path) -> None:
     with set_up(browser, ready_vehicle("plane", "px4"), tmp_path, PHONE, "light") as view:
         assert "Compass and motors" not in kinds(view)
@@ -235,6 +237,7 @@ def test_a_calibration_outlives_the_page_and_ends_with_the_link(browser: Any, tm
         view.page.get_by_text("The vehicle cannot cancel it").wait_for(timeout=PATIENT)
 
 
+@pytest.mark.nightly
 def test_a_copter_with_betaflight(browser: Any, tmp_path: Path) -> None:
     with set_up(browser, BackgroundFlightController(speed=4), tmp_path) as view:
         assert kinds(view) == ["Accelerometer", "Compass"]

@@ -89,6 +89,7 @@ def differing(one: np.ndarray, other: np.ndarray) -> int:
     return int((np.abs(one - other) > 40).any(axis=2).sum())
 
 
+@pytest.mark.nightly
 def test_every_widget_is_drawn_and_shows_old_values(browser: Any, tmp_path: Path) -> None:
     with (
         sending() as sender,

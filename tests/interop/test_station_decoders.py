@@ -121,6 +121,7 @@ def check_form(shown: StationPage) -> None:
     shown.button("Done").click()
 
 
+@pytest.mark.nightly
 def test_projects_are_saved_and_opened_by_choice(browser: Any, tmp_path: Path) -> None:
     with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
         page = shown.page

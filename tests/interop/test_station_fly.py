@@ -149,6 +149,7 @@ def test_motors_are_tested_after_a_confirmation_for_the_vehicle(browser: Any, tm
         assert shown.button("Motor 1").is_disabled()
 
 
+@pytest.mark.nightly
 def test_feet_are_typed_and_metres_are_sent(server: StationServer, browser: Any) -> None:
     with station_page(browser, server.url, DESKTOP) as shown:
         page = shown.page

@@ -22,6 +22,7 @@ VEHICLE = (86, 180, 233)
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
+@pytest.mark.flight_cases(1)
 def test_a_vehicle_looks_at_a_place_and_takes_it_as_home(firmware: str, browser: Any, tmp_path: Path) -> None:
     simulator = BackgroundSimulator(firmware=firmware)
     make_ready(simulator.simulation)
@@ -74,6 +75,7 @@ def test_distances_are_measured(browser: Any, tmp_path: Path) -> None:
         assert measured.count() == 0
 
 
+@pytest.mark.nightly
 def test_measuring_ends_with_the_link(browser: Any, tmp_path: Path) -> None:
     with web_server(tmp_path) as server, station_page(browser, server.url, DESKTOP) as shown:
         page, measured = shown.page, measure_to_the_east(shown, server)

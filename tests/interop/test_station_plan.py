@@ -206,6 +206,7 @@ def test_wrong_files_are_reported_in_one_line(seen_server: StationServer, browse
             shown.wait_for(reason)
 
 
+@pytest.mark.nightly
 def test_the_current_item_is_marked(browser: Any, tmp_path: Path) -> None:
     with station_server(tmp_path) as flown, station_page(browser, flown.url, DESKTOP) as shown:
         draw_all(shown, flown.url)

@@ -75,6 +75,7 @@ def slope(home: dict[str, float], gradient: float) -> dict[str, Any]:
     return {"name": name, "mimeType": "application/octet-stream", "buffer": data}
 
 
+@pytest.mark.nightly
 def test_a_corridor_is_checked_with_terrain_and_fence(seen_server: StationServer, browser: Any) -> None:
     with station_page(browser, seen_server.url, DESKTOP) as shown:
         show_plan(shown, seen_server.url)

@@ -81,6 +81,7 @@ def test_a_vehicle_behind_a_relay_is_flown_without_a_station(
             assert "secret" not in shown.page.content()
 
 
+@pytest.mark.nightly
 def test_a_vehicle_with_a_websocket_is_flown_without_a_station(browser: Any, tmp_path: Path) -> None:
     port = free_port()
     link = f"wsin://127.0.0.1:{port}?origin=*&token=open"

@@ -164,6 +164,7 @@ def test_the_browser_refuses_what_the_worker_of_a_script_requests(browser: Any, 
 
 
 @pytest.mark.parametrize("name", STOPPED)
+@pytest.mark.flight_cases(2)
 def test_a_script_that_hangs_or_grows_is_stopped(name: str, browser: Any, tmp_path: Path) -> None:
     code, reason = STOPPED[name]
     with (

@@ -175,6 +175,7 @@ def read_parameters(shown: StationPage) -> None:
     shown.page.evaluate("location.hash = '#/fly'")
 
 
+@pytest.mark.nightly
 def test_a_vehicle_at_a_serial_port_is_flown_and_comes_back(
     cable: SerialCable, browser: Any, tmp_path: Path
 ) -> None:

@@ -120,6 +120,7 @@ def check_reconnect(shown: StationPage, gateway: WhepGateway) -> None:
     shown.page.get_by_text("Connecting again").wait_for(state="detached", timeout=PATIENT)
 
 
+@pytest.mark.nightly
 def test_a_stream_that_comes_later_is_waited_for_until_it_is_stopped(browser: Any, tmp_path: Path) -> None:
     with whep_gateway() as gateway, camera_page(browser, tmp_path, f"{gateway.url}/none/whep") as shown:
         play(shown, "Front")

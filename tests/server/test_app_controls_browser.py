@@ -42,6 +42,7 @@ def accepted(page, action: str) -> None:
 
 
 @pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
+@pytest.mark.flight_cases(1)
 def test_gripper_and_winch(world, phone: bool) -> None:
     simulation, url, new_page = world
     with urlopen(f"{url}api/vehicles/1/parameters", timeout=60) as answer:

@@ -44,6 +44,7 @@ def places(items: list[dict[str, Any]]) -> set[tuple[float, float]]:
 
 
 @pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
+@pytest.mark.flight_cases(1)
 def test_a_survey_is_divided_shown_and_uploaded(world: Any, phone: bool) -> None:
     url, new_page = world
     page = new_page(f"{url}#/plan", phone=phone, dark=not phone)

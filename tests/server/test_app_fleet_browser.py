@@ -86,6 +86,7 @@ def test_a_formation_is_flown_and_stopped(page) -> None:
     playwright.expect(panel).to_contain_text("No formation is flown.", timeout=20_000)
 
 
+@pytest.mark.nightly
 def test_a_search_is_divided(page) -> None:
     page.get_by_label("Map of the swarm").first.click(position={"x": 300, "y": 400})
     page.get_by_role("button", name="Plan the search").click()

@@ -180,6 +180,7 @@ def test_a_vtol_has_its_own_controls_on_a_phone(world) -> None:
     playwright.expect(page.get_by_text("Reboot: accepted")).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_a_vtol_changes_its_flight_and_is_terminated(world) -> None:
     url, new_page = world
     page = new_page(f"{url}#/fly")

@@ -184,6 +184,7 @@ def set_parameter(page, name: str, value: int) -> None:
 
 @pytest.mark.parametrize("firmware", LASTING)
 @pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
+@pytest.mark.flight_cases(2)
 def test_a_parameter_outlasts_a_power_cycle(world, firmware, phone) -> None:
     simulator, url, new_page = world
     name, value, system = LASTING[firmware]
@@ -206,6 +207,7 @@ def test_a_parameter_outlasts_a_power_cycle(world, firmware, phone) -> None:
 
 
 @pytest.mark.parametrize("firmware", ["betaflight", "inav"])
+@pytest.mark.flight_cases(1)
 def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(world, tmp_path, firmware) -> None:
     target, (_, _, new_page) = BackgroundFlightController(firmware), world
     with target, web_station(tmp_path, target.url) as url:

@@ -49,7 +49,7 @@ SUBJECT_FOLDERS = {
 METHODS = {"client_server", "pitfalls", "properties", "pymavlink", "random", "robustness"}
 #: Tests of a package by subject.
 SUBJECTS = {
-    ".": {"api_docs", "build_backend", "build_station", "examples"},
+    ".": {"api_docs", "build_backend", "build_station", "examples", "sharing"},
     "codegen": {"conformance"},
     "codegen/languages": {"awkward", "foreign_enums", "signs"},
     "cli": {"help", "process", "realdata", "redaction"},

@@ -26,6 +26,7 @@ def places(group):
     )
 
 
+@pytest.mark.nightly
 def test_a_group_flies_a_formation_moves_follows_and_lands():
     async def scenario(world, _vehicle):
         group = await world.node.wait_for_vehicles(3)

@@ -116,6 +116,7 @@ def test_flights_of_shows_are_refused(query: str, status: int, words: str) -> No
 
 
 @pytest.mark.parametrize(("orientation", "bearing"), [(0.0, 270.0), (90.0, 0.0)])
+@pytest.mark.flight_cases(1)
 def test_a_show_is_turned_by_its_orientation(orientation: float, bearing: float) -> None:
     """The show ends 15 m to the left of its origin."""
 

@@ -95,6 +95,7 @@ def test_a_call_with_a_leader_alone_is_for_the_members_of_the_swarm() -> None:
     serve([COPTER, COPTER, COPTER], scenario)
 
 
+@pytest.mark.nightly
 def test_a_swarm_that_follows_a_leader_cannot_pause_on_its_way_to_the_formation_either() -> None:
     async def scenario(ground: Ground) -> None:
         api = ground.api

@@ -30,6 +30,7 @@ async def test_a_vehicle_is_found_in_each_world():
 
 @pytest.mark.flight
 @pytest.mark.parametrize("has_truth", [True, False])
+@pytest.mark.flight_cases(1)
 async def test_px4_takes_off_moves_and_lands(has_truth, monkeypatch):
     world = px4_world()
     if not has_truth:  # the vehicle has to estimate its state from the sensors

@@ -57,6 +57,7 @@ def test_a_plane_of_px4_refuses_a_radius_of_goto():
 @pytest.mark.parametrize(
     "kind", [(COPTER, PX4), (COPTER, ARDUPILOT), (PLANE, PX4), (PLANE, ARDUPILOT)], ids=kind_name
 )
+@pytest.mark.flight_cases(1)
 def test_an_orbit_the_other_way_round_ends_when_the_vehicle_flies_it(kind):
     radius = 20.0 if kind[0] is COPTER else 90.0
 

@@ -48,6 +48,7 @@ def gap(leader, follower):
     ("firmware", "level", "largest"),
     [(ARDUPILOT, "radio", 6.0), (PX4, "radio", 3.0), (PX4, "setpoints", 0.7)],
 )
+@pytest.mark.flight_cases(1)
 def test_a_copter_follows_behind_the_leaders_course(firmware, level, largest):
     async def scenario(world, _vehicle):
         leader, follower = await in_the_air(world, [10.0, 20.0])
@@ -92,6 +93,7 @@ async def turning(vehicle, rate):
 
 @pytest.mark.flight
 @pytest.mark.parametrize("rate", [0.0, 5.0, -5.0])
+@pytest.mark.flight_cases(1)
 def test_a_rover_keeps_its_slot_straight_on_and_in_a_turn(rate):
     offset = (-10.0, 0.0)
 

@@ -67,6 +67,7 @@ async def measure(firmware: Firmware, *, corrected: bool) -> Measured:
 
 @pytest.mark.flight
 @pytest.mark.parametrize("firmware", list(Firmware), ids=[each.value for each in Firmware])
+@pytest.mark.flight_cases(1)
 def test_corrections_delay_commands_little_and_leave_telemetry_its_share(firmware):
     without, corrected = (run_virtually(measure(firmware, corrected=each)) for each in (False, True))
     assert corrected.delay - without.delay <= 0.05, (without, corrected)

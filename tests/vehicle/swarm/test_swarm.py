@@ -37,6 +37,7 @@ def places(vehicles):
 
 
 @pytest.mark.flight
+@pytest.mark.nightly
 def test_a_mixed_swarm_flies_a_wedge_moves_and_turns():
     async def scenario(world, _vehicle):
         vehicles = await launch(world)
@@ -122,6 +123,7 @@ def test_a_swarm_follows_a_vehicle_that_another_program_flies():
 
 
 @pytest.mark.flight
+@pytest.mark.nightly
 def test_followers_avoid_a_leader_that_turns_back_through_them():
     async def scenario(world, _vehicle):
         vehicles = await launch(world)
@@ -173,6 +175,7 @@ def test_stop_ends_the_call_that_waits():
 
 
 @pytest.mark.flight
+@pytest.mark.nightly
 def test_the_program_of_the_guide_runs(capsys):
     (block,) = (each for each in BLOCKS if each.page == "guides/swarms.md" and "def fly_wedge" in each.text)
     names = {}

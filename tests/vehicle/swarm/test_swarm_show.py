@@ -14,6 +14,7 @@ from tests.vehicle.world import fly
 pytestmark = pytest.mark.flight
 
 
+@pytest.mark.nightly
 def test_a_show_is_flown_by_setpoints():
     async def scenario(world, _vehicle):
         vehicles = await launch(world)
