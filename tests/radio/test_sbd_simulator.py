@@ -32,13 +32,16 @@ def test_a_session():
 def test_wrong_messages():
     modem = SimulatedSbdModem()
     answer(modem, b"ATE0\r")
-    assert answer(modem, b"AT+SBDWB=341\r") == b"\r\n3\r\n\r\nOK\r\n"
+    for size in (b"0", b"341", b"-1", b""):
+        assert answer(modem, b"AT+SBDWB=" + size + b"\r") == b"\r\n3\r\n\r\nOK\r\n"
     answer(modem, b"AT+SBDWB=2\r")
     assert answer(modem, b"abxx") == b"\r\n2\r\n\r\nOK\r\n"
     assert answer(modem, b"AT+NONSENSE\r") == b"\r\nERROR\r\n"
     assert answer(modem, b"AT+CSQ\r") == b"\r\n+CSQ:4\r\n\r\nOK\r\n"
-    with pytest.raises(InvalidArgumentError, match="270"):
-        modem.deliver(bytes(271))
+    for size in (0, 271):
+        with pytest.raises(InvalidArgumentError, match=f"1 to 270 bytes, got {size}"):
+            modem.deliver(bytes(size))
+    assert not modem.mailbox
 
 
 @given(st.lists(st.binary(max_size=100)))

@@ -6,6 +6,7 @@ import pytest
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.sim.vehicle_types import DEFAULT_HOME
+from mavstack.simulators.bodies.surface import BOAT, ROVER
 from mavstack.simulators.firmware_command import ardupilot_command, betaflight_command, px4_command
 
 
@@ -59,6 +60,17 @@ def test_ardupilot(program):
     other = ardupilot_command(str(program), home=DEFAULT_HOME, port=9100, parameters={"SIM_RATE_HZ": 800})
     assert other.words[-2:] == ("--sim-port-out", "9100")
     assert "SIM_RATE_HZ 800\n" in other.files["defaults.parm"]
+
+
+def test_ardupilot_steers_as_its_body_turns(program):
+    """The feed-forward, which applies at 1 m/s, gives the turn rate that was commanded."""
+    for vehicle, facts in (("rover", ROVER), ("boat", BOAT)):
+        command = ardupilot_command(str(program), home=DEFAULT_HOME, vehicle=vehicle)
+        lines = map(str.split, command.files["defaults.parm"].splitlines())
+        values = {name: float(value) for name, value in lines}
+        share = values["CRUISE_SPEED"] / facts.top_speed
+        assert values["CRUISE_THROTTLE"] / 100 == pytest.approx(share, abs=0.01)
+        assert values["ATC_STR_RAT_FF"] * facts.turn * (1 + facts.wash) == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_missing_program_is_reported():

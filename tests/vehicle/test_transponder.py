@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import uavionix
-from mavstack.errors import ActionTimeout, InvalidArgumentError
+from mavstack.errors import ActionTimeout, CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.vehicle.transponder import TransponderStatus, _agrees
 
 
@@ -17,7 +17,7 @@ def test_a_transponder_is_set(virtual_vehicle):
         lost = uavionix.UavionixAdsbEmergencyStatus.NO_COMM_EMERGENCY
         found = await vehicle.transponder.set(squawk="7600", flight_id="LX 1  ", ident=True, emergency=lost)
         assert found == TransponderStatus("7600", "LX 1", True, True, True, True, 35)
-        assert vehicle.transponder.status == found
+        assert vehicle.transponder.status == found == await vehicle.transponder.get()
         standby = await vehicle.transponder.set(squawk="0021", transmits=False)
         assert standby == TransponderStatus("0021", "", False, False, False, True, 35)
         assert not (await vehicle.transponder.set(altitude=False)).altitude
@@ -41,6 +41,8 @@ def test_a_vehicle_without_transponder(virtual_vehicle):
     async def flight(vehicle):
         with pytest.raises(ActionTimeout, match="setting the transponder of 1/1 failed: not done in 3 s"):
             await vehicle.transponder.set(timeout=3)
+        with pytest.raises((CommandDenied, MessageTimeout)):
+            await vehicle.transponder.get(timeout=3)
 
     virtual_vehicle.run(flight)
 

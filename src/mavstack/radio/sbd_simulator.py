@@ -48,10 +48,10 @@ class SimulatedSbdModem:
         """Put a message into the mailbox of the modem, and ring.
 
         Raises:
-            InvalidArgumentError: It has more than 270 bytes.
+            InvalidArgumentError: It is empty, or has more than 270 bytes; the gateway refuses both.
         """
-        if len(message) > MAX_RECEIVED:
-            raise InvalidArgumentError(f"a message has at most {MAX_RECEIVED} bytes, got {len(message)}")
+        if not 1 <= len(message) <= MAX_RECEIVED:
+            raise InvalidArgumentError(f"a message has 1 to {MAX_RECEIVED} bytes, got {len(message)}")
         self.mailbox.append(message)
         if self._ring_alert and self.has_signal:
             self._output += b"\r\nSBDRING\r\n"

@@ -4119,6 +4119,20 @@ class Transponder:
     def status(self) -> TransponderStatus | None:
         """The last reported state (UAVIONIX_ADSB_OUT_STATUS); None before the first report."""
 
+    def get(self, *, timeout: float | None=...) -> TransponderStatus:
+        """Request the state of the transponder (UAVIONIX_ADSB_OUT_STATUS).
+
+        Args:
+            timeout: Seconds to wait for the report; None: until retries are exhausted.
+
+        Returns:
+            The reported state.
+
+        Raises:
+            CommandDenied: The vehicle does not send the message, as PX4.
+            MessageTimeout: No report came, as from a vehicle without a transponder.
+        """
+
     def set(self, *, squawk: str='1200', flight_id: str='', transmits: bool=True, altitude: bool=True, ident: bool=False, emergency: int=0, timeout: float | None=...) -> TransponderStatus:
         """Set the transponder (UAVIONIX_ADSB_OUT_CONTROL), and wait until its report agrees.
 

@@ -78,6 +78,22 @@ class Transponder(ReadOnly):
         report = self._vehicle.telemetry.latest(uavionix.UavionixAdsbOutStatus)
         return None if report is None else _status_of(report)
 
+    async def get(self, *, timeout: float | None = DEFAULT_TIMEOUT) -> TransponderStatus:
+        """Request the state of the transponder (UAVIONIX_ADSB_OUT_STATUS).
+
+        Args:
+            timeout: Seconds to wait for the report; None: until retries are exhausted.
+
+        Returns:
+            The reported state.
+
+        Raises:
+            CommandDenied: The vehicle does not send the message, as PX4.
+            MessageTimeout: No report came, as from a vehicle without a transponder.
+        """
+        component = self._vehicle.component
+        return _status_of(await component.request_message(uavionix.UavionixAdsbOutStatus, timeout=timeout))
+
     async def set(
         self,
         *,
