@@ -32,8 +32,8 @@ def test_a_session():
 def test_wrong_messages():
     modem = SimulatedSbdModem()
     answer(modem, b"ATE0\r")
-    for size in (b"0", b"341", b"-1", b""):
-        assert answer(modem, b"AT+SBDWB=" + size + b"\r") == b"\r\n3\r\n\r\nOK\r\n"
+    for written in (b"0", b"341", b"-1", b""):
+        assert answer(modem, b"AT+SBDWB=" + written + b"\r") == b"\r\n3\r\n\r\nOK\r\n"
     answer(modem, b"AT+SBDWB=2\r")
     assert answer(modem, b"abxx") == b"\r\n2\r\n\r\nOK\r\n"
     assert answer(modem, b"AT+NONSENSE\r") == b"\r\nERROR\r\n"

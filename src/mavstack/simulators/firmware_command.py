@@ -65,7 +65,7 @@ _RATE: Final = MappingProxyType({"SIM_RATE_HZ": 400})
 #: Parameters without which ArduPilot does not arm or drive its outputs as the bodies expect. ATC_STR_RAT_FF
 #: is the steering at 1 m/s for a turn rate of 1 rad/s; with the default, 0.2, these bodies turn so wide that
 #: they pass a place beside it. CRUISE_THROTTLE is the throttle in percent that holds CRUISE_SPEED.
-_ARDUPILOT_PARAMETERS: Final = MappingProxyType(
+_ARDUPILOT_PARAMETERS: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
     {
         "copter": {"FRAME_CLASS": 1, "FRAME_TYPE": 1},
         "vtol": {"Q_ENABLE": 1, "Q_FRAME_CLASS": 1, "Q_FRAME_TYPE": 1},
