@@ -43,19 +43,24 @@ pub fn next_velocities(
     let search = neighbours::Search::new(positions);
     let mut nearest = Vec::with_capacity(parameters.neighbours + 1);
     let mut half_spaces = Vec::with_capacity(parameters.neighbours);
-    let vehicles = positions.iter().zip(velocities).zip(preferred).enumerate();
-    vehicles
-        .map(|(own, ((&position, &velocity), &wanted))| {
-            search.nearest(own, parameters.neighbours, &mut nearest);
-            half_spaces.clear();
-            half_spaces.extend(nearest.iter().filter_map(|&(_, other)| {
-                let apart = vector::sub(positions[other], position);
-                let other_velocity = velocities.get(other)?;
-                Some(HalfSpace::reciprocal(apart, velocity, *other_velocity, parameters))
-            }));
-            program::nearest_velocity(&half_spaces, parameters.speed, wanted)
-        })
-        .collect()
+    let mut chosen = vec![[0.0; 3]; positions.len().min(velocities.len()).min(preferred.len())];
+    // In the order of the search, so that the neighbours of one vehicle are still in the cache for the next one.
+    for &(position, own) in search.places() {
+        let (Some(next), Some(&velocity), Some(&wanted)) =
+            (chosen.get_mut(own), velocities.get(own), preferred.get(own))
+        else {
+            continue;
+        };
+        search.nearest((position, own), parameters.neighbours, &mut nearest);
+        half_spaces.clear();
+        half_spaces.extend(nearest.iter().filter_map(|&(_, other)| {
+            let apart = vector::sub(positions[other], position);
+            let other_velocity = velocities.get(other)?;
+            Some(HalfSpace::reciprocal(apart, velocity, *other_velocity, parameters))
+        }));
+        *next = program::nearest_velocity(&half_spaces, parameters.speed, wanted);
+    }
+    chosen
 }
 
 #[cfg(test)]

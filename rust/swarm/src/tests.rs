@@ -84,11 +84,11 @@ proptest! {
     }
 
     #[test]
-    fn the_nearest_are_those_of_a_full_search(places in prop::collection::vec(numbers(9.0), 1..30), count in 1usize..8) {
+    fn the_nearest_are_those_of_a_full_search(places in prop::collection::vec(numbers(9.0), 1..120), count in 1usize..40) {
         let search = crate::neighbours::Search::new(&places);
         let mut found = Vec::new();
         for own in 0..places.len() {
-            search.nearest(own, count, &mut found);
+            search.nearest((places[own], own), count, &mut found);
             let mut all: Vec<f64> = (0..places.len()).filter(|&other| other != own)
                 .map(|other| squared(sub(places[other], places[own]))).collect();
             all.sort_by(f64::total_cmp);
