@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from base64 import b64decode
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -47,6 +48,13 @@ class StationServer:
         state: dict[str, Any] = self.get("vehicles/1")
         return state
 
+    def wait_for_home(self) -> None:
+        """Wait until the station has heard the vehicle and the place of its home."""
+        end = time.monotonic() + PATIENT / 1000
+        while not (self.get("vehicles") and self.state()["home"]):
+            assert time.monotonic() < end, "no vehicle with a home was heard"
+            time.sleep(0.1)
+
     def get(self, path: str) -> Any:
         """Return the answer to a request below `/api/`."""
         with urlopen(f"{self.url}api/{path}", timeout=20) as answer:
@@ -80,6 +88,7 @@ def station_server(folder: Path) -> Iterator[StationServer]:
     simulator = BackgroundSimulator(speed=2)
     make_ready(simulator.simulation)
     with simulator, web_server(folder, f"udpout://127.0.0.1:{simulator.port}") as server:
+        server.wait_for_home()
         yield server
 
 
