@@ -48,7 +48,7 @@ class SimulatedSbdModem:
         """Put a message into the mailbox of the modem, and ring.
 
         Raises:
-            InvalidArgumentError: It is empty, or has more than 270 bytes; the gateway refuses both.
+            InvalidArgumentError: It is empty, or has more than 270 bytes.
         """
         if not 1 <= len(message) <= MAX_RECEIVED:
             raise InvalidArgumentError(f"a message has 1 to {MAX_RECEIVED} bytes, got {len(message)}")

@@ -18,6 +18,15 @@ def test_it_is_set_and_shown(simulate, mav):
 
 
 @pytest.mark.parametrize(
+    ("option", "state"), [("--standby", "standby"), ("--no-altitude", "transmits, without altitude")]
+)
+def test_options(simulate, mav, option, state):
+    simulate(COPTER).vehicle.parameters.set("ADSB_TYPE", 3)
+    result = mav("vehicle", "transponder", "0021", option)
+    assert result.out == f"vehicle 1: squawk 0021, {state}, on the ground\n"
+
+
+@pytest.mark.parametrize(
     ("words", "problem"),
     [(("--standby",), "a setting needs a squawk"), (("7800",), "a squawk must be four digits from 0 to 7")],
 )
