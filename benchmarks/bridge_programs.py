@@ -39,7 +39,8 @@ DELAY_RATE: Final = 200
 #: The first of three angular velocities, before 21 more numbers at the end of an Imu message.
 _FIRST_RATE: Final = struct.Struct("<d")
 _FROM_END: Final = -8 * (21 + 3)
-_WARM_UP: Final = 3.0
+#: Seconds before the measurement: a bridge finds its vehicles and declares their endpoints in the first ones.
+_WARM_UP: Final = 12.0
 _NUMBERS: Final = 1 << 20
 #: Installed packages have bytecode; that of the work tree is kept here.
 _BYTECODE: Final = Path(tempfile.gettempdir()) / f"mavstack-bytecode-{os.getuid()}"

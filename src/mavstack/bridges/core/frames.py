@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
 
-from math import pi, remainder, sqrt
+from math import cos, pi, remainder, sin, sqrt
 from typing import Final
 
-from mavstack.rotation import from_euler
 from mavstack.rotation import rotate as rotate_vector
 
 _HALF: Final = sqrt(0.5)
-_EAST: Final = pi / 2
+#: Half the angle from east to north, in radians.
+_NORTH: Final = pi / 4
 
 
 def ned_enu(x: float, y: float, z: float) -> Vector:
@@ -39,8 +39,11 @@ def to_ros_attitude(w: float, x: float, y: float, z: float) -> Quaternion:
 
 def ros_attitude_of(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return the attitude of a FLU body in ENU as (x, y, z, w), for three angles of a FRD body in NED."""
-    w, x, y, z = from_euler(roll, -pitch, _EAST - yaw)
-    return x, y, z, w
+    # Each attitude comes here: the product of `from_euler` in the order of ROS, without a second call.
+    roll, pitch, yaw = 0.5 * roll, -0.5 * pitch, _NORTH - 0.5 * yaw
+    cr, sr, cp, sp, cy, sy = cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw)
+    a, b, c, d = cp * cy, sp * sy, sp * cy, cp * sy
+    return sr * a - cr * b, cr * c + sr * d, cr * d - sr * c, cr * a + sr * b
 
 
 def from_ros_attitude(x: float, y: float, z: float, w: float) -> Quaternion:

@@ -60,6 +60,8 @@ class FleetVehicle:
         self.rivals: set[str] = set()
         #: The filter of packets for the vehicle, with its counters.
         self.guard = FrameGuard(vehicle.system, role, vehicle.connection.dialect)
+        #: True if there is a subscriber to a state.
+        self.is_watched = False
         #: The requests that were carried out.
         self.requests = RequestLog()
         self._bus = bus
@@ -82,7 +84,8 @@ class FleetVehicle:
         bus, keys = self._bus, self.keys
         self._frames = bus.publisher(keys.frames_out, self._set_frames)
         wanted = bus.publisher(keys.messages, self._set_messages)
-        self._kept += [wanted, bus.queryable(keys.state("*"), self._answer_state)]
+        watched = bus.publisher(keys.state("*"), self._set_watched)
+        self._kept += [wanted, watched, bus.queryable(keys.state("*"), self._answer_state)]
         self._kept.append(bus.queryable(keys.commands, self._answer_command))
         for group in GROUPS:
             self._state_publishers[group] = bus.latched_publisher(keys.state(group))
@@ -142,6 +145,11 @@ class FleetVehicle:
     def _set_messages(self, matching: bool) -> None:
         self._listen("messages", self._messages.publish if matching else None)
 
+    def _set_watched(self, matching: bool) -> None:
+        self.is_watched = matching
+        if matching:
+            self.publish_states()
+
     def _listen(self, name: str, receive: Callable[[Packet], None] | None) -> None:
         if (listener := self._listeners.pop(name, None)) is not None:
             listener.close()
@@ -167,6 +175,7 @@ class FleetVehicle:
                 self.vehicle.connection.forward(packet, self.vehicle.address)
 
     async def _answer_state(self, query: Any) -> None:
+        self.publish_states()
         for group, data in self._states.items():
             key = self.keys.state(group)
             if query.key_expr.intersects(self._bus.zenoh.KeyExpr(key)):
