@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 _GRAVITY: Final = 9.80665
 _UNKNOWN_3: Final = (-1.0, *[0.0] * 8)
 _ZEROS: Final = (0.0,) * 36
-_NO_ACCELERATION: Final = (0.0, 0.0, 0.0)
 _UNKNOWN_6: Final = (-1.0, *[0.0] * 35)
 _FRAME: Final = common.MavFrame
 _IMUS: Final = (common.HighresImu, common.ScaledImu, common.RawImu)
@@ -68,7 +67,8 @@ def imu(message: Any, view: VehicleView) -> Values | None:
         attitude = ros_attitude_of(message.roll, message.pitch, message.yaw)
     else:
         attitude = to_ros_attitude(message.q1, message.q2, message.q3, message.q4)
-    sensor, noise = _latest_imu(view), view.noise
+    measured = acceleration(_latest_imu(view))
+    noise = view.noise
     return (
         *attitude,
         *_diagonal(noise.orientation),
@@ -76,8 +76,8 @@ def imu(message: Any, view: VehicleView) -> Values | None:
         -message.pitchspeed,
         -message.yawspeed,
         *_diagonal(noise.rate),
-        *(_NO_ACCELERATION if sensor is None else acceleration(sensor)),
-        *(_UNKNOWN_3 if sensor is None else _diagonal(noise.acceleration)),
+        *(measured or (0.0, 0.0, 0.0)),
+        *(_diagonal(noise.acceleration) if measured else _UNKNOWN_3),
     )
 
 
