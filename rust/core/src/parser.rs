@@ -75,8 +75,19 @@ impl Parser {
     }
 
     /// Parses the next bytes of the stream and passes each completed packet to `sink`.
-    pub fn feed(&mut self, dialect: &Dialect, data: &[u8], sink: impl FnMut(Packet<'_>)) {
+    pub fn feed(&mut self, dialect: &Dialect, data: &[u8], mut sink: impl FnMut(Packet<'_>)) {
+        let is_between_packets = self.pending.is_empty() && self.state == State::default() && !self.timestamped;
+        if is_between_packets && let Some(found) = Scanner::whole_packet(data, dialect, &mut self.statistics) {
+            self.record(&found);
+            return sink(Packet::new(data, &found));
+        }
         self.run(dialect, data, false, sink);
+    }
+
+    #[inline]
+    fn record(&mut self, found: &FrameSpan) {
+        let Header { system, component, sequence, .. } = found.header;
+        self.sources.record(system, component, sequence, found.header.packet_length());
     }
 
     /// Ends the stream: passes the packets inside an incomplete one at its end to `sink`, and resets the parser.
@@ -93,12 +104,12 @@ impl Parser {
             &joined
         };
         let mut scanner = Scanner::resume(stream, dialect, self.timestamped, self.state);
-        let statistics = &mut self.statistics;
-        while let Some(found) =
-            if at_end { scanner.next_packet_at_end(statistics) } else { scanner.next_packet(statistics) }
-        {
-            let Header { system, component, sequence, .. } = found.header;
-            self.sources.record(system, component, sequence, found.range().len());
+        while let Some(found) = if at_end {
+            scanner.next_packet_at_end(&mut self.statistics)
+        } else {
+            scanner.next_packet(&mut self.statistics)
+        } {
+            self.record(&found);
             sink(Packet::new(stream, &found));
         }
         let state = scanner.state();

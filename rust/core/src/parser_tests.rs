@@ -36,6 +36,24 @@ pub(crate) fn piece() -> impl Strategy<Value = Vec<u8>> {
     ]
 }
 
+#[test]
+fn a_packet_that_is_all_of_a_chunk_counts_for_its_source_as_one_in_parts() {
+    let dialect = dialect();
+    let packets =
+        [0, 1, 4, 5].map(|sequence| heartbeat(if sequence < 4 { Version::V2 } else { Version::V1 }, sequence));
+    let (mut whole, mut divided) = (Parser::new(false), Parser::new(false));
+    let mut seen = 0;
+    for packet in &packets {
+        whole.feed(&dialect, packet, |_| seen += 1);
+        let (head, tail) = packet.split_at(5);
+        divided.feed(&dialect, head, |_| seen += 1);
+        divided.feed(&dialect, tail, |_| seen += 1);
+    }
+    assert_eq!((seen, whole.statistics()), (8, divided.statistics()));
+    let source = whole.sources().all()[0].2;
+    assert_eq!((source.received, source.lost, whole.sources().all()), (4, 2, divided.sources().all()));
+}
+
 proptest! {
     #[test]
     fn chunking_does_not_change_the_result(
@@ -52,6 +70,8 @@ proptest! {
         prop_assert_eq!(&parse(&chunks, timestamped), &whole);
         let bytes: Vec<&[u8]> = stream.chunks(1).collect();
         prop_assert_eq!(&parse(&bytes, timestamped), &whole);
+        let datagrams: Vec<&[u8]> = pieces.iter().map(Vec::as_slice).collect();
+        prop_assert_eq!(&parse(&datagrams, timestamped), &whole);
     }
 
     #[test]

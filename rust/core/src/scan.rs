@@ -140,6 +140,25 @@ impl<'a> Scanner<'a> {
         Self { data, dialect, timestamped, state, rejected: 0, running_crc: None }
     }
 
+    /// Returns the packet that all of `data` is, if its message is known and it has no signature, as in most datagrams.
+    ///
+    /// A scan from and to the initial state would find it too, in more steps.
+    #[inline]
+    pub(crate) fn whole_packet(data: &'a [u8], dialect: &'a Dialect, statistics: &mut Statistics) -> Option<FrameSpan> {
+        let header = Header::parse(data)?;
+        if header.packet_length() != data.len() || header.incompat_flags != 0 {
+            return None;
+        }
+        let Verdict::Packet(header, slot @ Some(_)) = Self::new(data, dialect, false).examine(0) else {
+            return None;
+        };
+        statistics.packets += 1;
+        statistics.packet_bytes += data.len() as u64;
+        statistics.version_1 += u64::from(header.version == 1);
+        statistics.version_2 += u64::from(header.version == 2);
+        Some(FrameSpan { start: 0, header, slot, timestamped: false })
+    }
+
     /// The state with which another scanner of the same stream continues.
     #[must_use]
     pub fn state(&self) -> State {

@@ -4,15 +4,16 @@ use crate::channel::{Boot, SharedParser};
 use crate::fields::{Fields, HeadingFields, PositionFields};
 use crate::intake::{Intake, Peer};
 use crate::messages::{Decision, Interest, MAX_STORED};
-use crate::queue::{Item, MAX_TAKEN, MAX_WAITING, Takers, Urgency};
-use crate::reader::Reader;
+use crate::queue::{Item, MAX_TAKEN, Takers, Urgency};
 use mavstack_core::encode::{Sender, Version, encode};
 use mavstack_core::layout::{Dialect, Field, FieldType, Layout};
 use mavstack_core::parser::Parser;
 use std::collections::HashMap;
-use std::net::{SocketAddr, UdpSocket};
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+
+#[path = "reader_tests.rs"]
+mod reader;
 
 const HEARTBEAT: u32 = 0;
 const POSITION: u32 = 33;
@@ -381,55 +382,4 @@ fn the_latest_packets_of_a_system_are_bounded() {
     assert_eq!(intake.messages.newest_time(SOURCE.0), Some(2999.0));
     intake.messages.unfollow(SOURCE.0);
     assert_eq!(intake.messages.stored(SOURCE.0), 0);
-}
-
-/// Waits for a condition, which is met in milliseconds on an idle machine.
-fn wait_for(mut is_met: impl FnMut() -> bool) {
-    let end = Instant::now() + Duration::from_secs(20);
-    while !is_met() {
-        assert!(Instant::now() < end, "the condition is not met");
-        std::thread::sleep(Duration::from_millis(1));
-    }
-}
-
-#[test]
-fn a_thread_reads_sockets_and_gives_one_back_that_the_program_cannot_follow() {
-    let shared = Arc::new(Mutex::new(intake()));
-    let mut reader = Reader::start(Arc::clone(&shared), 100.0).expect("a thread");
-    let socket = UdpSocket::bind(address(0)).expect("a socket");
-    let target = socket.local_addr().expect("an address");
-    reader.add(5, socket.try_clone().expect("a copy")).expect("nonblocking");
-    let sender = UdpSocket::bind(address(0)).expect("a socket");
-    sender.send_to(&heartbeat(), target).expect("sent");
-    wait_for(|| taken(&mut shared.lock().expect("no panic")) == (0, 0, 1));
-    let mut is_given_back = false;
-    wait_for(|| {
-        for _ in 0..MAX_WAITING / 64 {
-            let _ = sender.send_to(&heartbeat(), target);
-        }
-        let intake = shared.lock().expect("no panic");
-        is_given_back = intake.queue.is_full();
-        is_given_back
-    });
-    wait_for(|| shared.lock().expect("no panic").queue.take().overloaded == [5]);
-    reader.remove(5);
-    reader.close();
-    reader.close();
-}
-
-#[test]
-fn the_program_reads_while_it_waits_for_an_answer() {
-    let shared = Arc::new(Mutex::new(intake()));
-    let reader = Reader::start(Arc::clone(&shared), 100.0).expect("a thread");
-    let socket = UdpSocket::bind(address(0)).expect("a socket");
-    let target = socket.local_addr().expect("an address");
-    reader.add(5, socket.try_clone().expect("a copy")).expect("nonblocking");
-    let sender = UdpSocket::bind(address(0)).expect("a socket");
-    assert!(!reader.begin_to_take());
-    assert!(reader.hurry(60.0));
-    for _ in 0..100 {
-        sender.send_to(&heartbeat(), target).expect("sent");
-        assert!(reader.begin_to_take());
-        assert_eq!(taken(&mut shared.lock().expect("no panic")), (0, 0, 1), "it comes with the call");
-    }
 }

@@ -3,6 +3,7 @@
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
 use crate::intake_listeners::Listeners;
+use crate::intake_made::MadePackets;
 use crate::intake_values::{
     LastBoot, Run, datagrams, interest, peer, to_activity, to_boot, to_heading, to_position, to_run,
 };
@@ -22,8 +23,6 @@ use pyo3::types::{PyList, PyTuple};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Packets that were made into objects, with their numbers: one object for each packet.
-type Made = HashMap<(u8, u8, u32), (u64, Py<PyAny>)>;
 /// Runs, datagrams, messages to decide about, sockets and streams that the program must read, and whether it is to read
 /// all.
 type Taken<'py> = (Vec<Run<'py>>, Vec<Bound<'py, PyTuple>>, Vec<((u8, u8), u32)>, Vec<(u32, i32)>, bool);
@@ -44,9 +43,13 @@ pub struct Intake {
     dialect: Py<Dialect>,
     core: Arc<Mutex<core::Intake>>,
     reader: Mutex<Option<Reader>>,
-    made: Mutex<Made>,
+    made: MadePackets,
     /// The functions of the listeners of each source and message.
     listeners: Listeners,
+}
+
+fn running(reader: Option<&Reader>) -> PyResult<&Reader> {
+    reader.ok_or_else(|| PyRuntimeError::new_err("the thread does not run"))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -65,8 +68,9 @@ impl Intake {
         let (position, heading) = (to_position(position_fields), to_heading(heading_fields));
         let core =
             core::Intake::new(Arc::clone(&dialect.0.get().core), Fields { boot: boot_fields, position, heading });
-        let (reader, made, listeners) = (Mutex::default(), Mutex::default(), Listeners::default());
-        Self { dialect: dialect.0, core: Arc::new(Mutex::new(core)), reader, made, listeners }
+        let core = Arc::new(Mutex::new(core));
+        let (reader, made, listeners) = (Mutex::default(), MadePackets::default(), Listeners::default());
+        Self { dialect: dialect.0, core, reader, made, listeners }
     }
 
     /// Start the thread; return a descriptor that is readable while something waits.
@@ -101,9 +105,7 @@ impl Intake {
     ///     RuntimeError: The thread does not run.
     fn add_socket(&self, socket: u32, descriptor: i64) -> PyResult<()> {
         let copy = udp_of(descriptor)?;
-        let reader = lock(&self.reader);
-        let reader = reader.as_ref().ok_or_else(|| PyRuntimeError::new_err("the thread does not run"))?;
-        Ok(reader.add(socket, copy)?)
+        Ok(running(lock(&self.reader).as_ref())?.add(socket, copy)?)
     }
 
     /// Read a stream, whose descriptor is duplicated, from now on, for a channel that was given to `attach_fed`.
@@ -121,9 +123,7 @@ impl Intake {
     ///     RuntimeError: The thread does not run.
     fn add_stream(&self, channel: u32, descriptor: i64, is_terminal: bool) -> PyResult<()> {
         let copy = stream_of(descriptor)?;
-        let reader = lock(&self.reader);
-        let reader = reader.as_ref().ok_or_else(|| PyRuntimeError::new_err("the thread does not run"))?;
-        Ok(reader.add_stream(channel, copy, is_terminal)?)
+        Ok(running(lock(&self.reader).as_ref())?.add_stream(channel, copy, is_terminal)?)
     }
 
     /// Read a socket or stream no more; its copy is closed when the call returns. Idempotent.
@@ -374,10 +374,7 @@ impl Intake {
     ///     system: The system id.
     fn clear(&self, system: u8) {
         lock(&self.core).messages.clear(system);
-        let mut made = lock(&self.made);
-        let cleared: Made = made.extract_if(|key, _| key.0 == system).collect();
-        drop(made);
-        drop(cleared); // as above
+        self.made.clear(system);
     }
 
     /// Keep a packet as the latest of its message, if its system is followed.
@@ -409,24 +406,19 @@ impl Intake {
         source: (u8, u8),
         message_id: u32,
     ) -> PyResult<Option<(Bound<'py, PyAny>, f64)>> {
-        if let Some(reader) = &*lock(&self.reader) {
-            reader.refresh();
-        }
+        lock(&self.reader).iter().for_each(Reader::refresh);
         let key = (source.0, source.1, message_id);
         let core = lock(&self.core);
         let Some(latest) = core.messages.latest(source.0, source.1, message_id) else {
             return Ok(None);
         };
-        if let Some((number, made)) = lock(&self.made).get(&key)
-            && *number == latest.number
-        {
-            return Ok(Some((made.bind(py).clone(), latest.at)));
+        if let Some(made) = self.made.find(py, key, latest.number) {
+            return Ok(Some((made, latest.at)));
         }
         let one = Packet { raw: &latest.raw, header: latest.header, slot: latest.slot, timestamp: None };
         let (made, number, at) = (packet::create(py, &one, &self.dialect)?, latest.number, latest.at);
         drop(core);
-        let before = lock(&self.made).insert(key, (number, made.clone().unbind()));
-        drop(before); // without the lock: it may run a finalizer of the program
+        self.made.keep(key, number, &made);
         Ok(Some((made, at)))
     }
 
@@ -436,9 +428,7 @@ impl Intake {
     ///     source: System and component id.
     ///     message_id: The message id.
     fn received_at(&self, source: (u8, u8), message_id: u32) -> Option<f64> {
-        if let Some(reader) = &*lock(&self.reader) {
-            reader.refresh();
-        }
+        lock(&self.reader).iter().for_each(Reader::refresh);
         lock(&self.core).messages.latest(source.0, source.1, message_id).map(|latest| latest.at)
     }
 

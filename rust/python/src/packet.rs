@@ -9,10 +9,9 @@ use crate::class::{self, ClassData, slot};
 use crate::dialect::{AnyDialect, Dialect};
 use crate::freelist;
 use crate::message::{self, into_result_pointer};
-use mavstack_core::header::{CHECKSUM, Header, SIGNATURE};
+use crate::packet_getters::{self, GETTERS, Getter};
+use mavstack_core::header::Header;
 use mavstack_core::parser::{self, Parser};
-use mavstack_core::signing::link_and_timestamp;
-use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::intern;
@@ -31,10 +30,10 @@ struct Object {
 }
 
 /// The decoded parts of a packet.
-struct Packet {
-    header: Header,
+pub struct Packet {
+    pub header: Header,
     slot: Option<u16>,
-    timestamp: Option<u64>,
+    pub timestamp: Option<u64>,
     dialect: Py<Dialect>,
     message: Option<Py<PyAny>>,
 }
@@ -58,80 +57,8 @@ pub fn packet_class(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
     Ok(CLASS.get_or_try_init(py, || make_class(py))?.bind(py))
 }
 
-/// A property getter: called with the packet's parts and its bytes.
-type Getter = for<'py> fn(Python<'py>, &Packet, &[u8]) -> PyResult<Bound<'py, PyAny>>;
-
-/// Name, getter, documentation.
-const GETTERS: &[(&CStr, Getter, &CStr)] = &[
-    (c"name", name, c"Name of the message, such as \"ATTITUDE\", or None if its id is not in the dialect."),
-    (c"version", |py, packet, _| object(py, packet.header.version), c"MAVLink version, 1 or 2."),
-    (c"message_id", |py, packet, _| object(py, packet.header.message_id), c"Message id, 0 to 16777215."),
-    (c"system", |py, packet, _| object(py, packet.header.system), c"System id of the sender, 0 to 255."),
-    (c"component", |py, packet, _| object(py, packet.header.component), c"Component id of the sender, 0 to 255."),
-    (c"sequence", |py, packet, _| object(py, packet.header.sequence), c"Sequence number, 0 to 255."),
-    (
-        c"incompat_flags",
-        |py, packet, _| object(py, packet.header.incompat_flags),
-        c"Incompatibility flags; 0 in MAVLink 1.",
-    ),
-    (c"compat_flags", |py, packet, _| object(py, packet.header.compat_flags), c"Compatibility flags; 0 in MAVLink 1."),
-    (
-        c"signed",
-        |py, packet, _| Ok(packet.header.signed().into_pyobject(py)?.to_owned().into_any()),
-        c"True if the packet carries a signature; only a parser with signing verifies it.",
-    ),
-    (
-        c"link_id",
-        |py, packet, raw| signature(py, packet, || link_and_timestamp(raw).0),
-        c"Link id of the signature, or None if unsigned.",
-    ),
-    (
-        c"signature_timestamp",
-        |py, packet, raw| signature(py, packet, || link_and_timestamp(raw).1),
-        c"Timestamp of the signature in 10 us since 2015-01-01 UTC, or None if unsigned.",
-    ),
-    (c"signature", signature_bytes, c"The 13 bytes of the signature, or None if unsigned."),
-    (
-        c"timestamp",
-        |py, packet, _| object(py, packet.timestamp),
-        c"Recorded time in microseconds since 1970, or None if the stream is not timestamped.",
-    ),
-    (c"checksum", checksum, c"CRC of the packet as received."),
-    (
-        c"payload",
-        |py, packet, raw| Ok(PyBytes::new(py, &raw[packet.header.payload()]).into_any()),
-        c"Payload as received: trimmed, complete, or longer than the definition.",
-    ),
-    (c"raw", |py, _, raw| Ok(PyBytes::new(py, raw).into_any()), c"All bytes of the packet as received."),
-];
-
-fn object<'py, T: IntoPyObject<'py>>(py: Python<'py>, value: T) -> PyResult<Bound<'py, PyAny>> {
-    value.into_bound_py_any(py)
-}
-
-fn signature<'py, T: IntoPyObject<'py>>(
-    py: Python<'py>,
-    packet: &Packet,
-    value: impl Fn() -> T,
-) -> PyResult<Bound<'py, PyAny>> {
-    object(py, packet.header.signed().then(value))
-}
-
-fn name<'py>(py: Python<'py>, packet: &Packet, _: &[u8]) -> PyResult<Bound<'py, PyAny>> {
-    object(py, packet.name())
-}
-
-fn signature_bytes<'py>(py: Python<'py>, packet: &Packet, raw: &[u8]) -> PyResult<Bound<'py, PyAny>> {
-    object(py, packet.header.signed().then(|| PyBytes::new(py, &raw[raw.len() - SIGNATURE..])))
-}
-
-fn checksum<'py>(py: Python<'py>, packet: &Packet, raw: &[u8]) -> PyResult<Bound<'py, PyAny>> {
-    let end = packet.header.payload().end;
-    object(py, u16::from_le_bytes([raw[end], raw[end + CHECKSUM - 1]]))
-}
-
 impl Packet {
-    fn name(&self) -> Option<&str> {
+    pub fn name(&self) -> Option<&str> {
         self.slot.map(|slot| self.dialect.get().core.layouts()[usize::from(slot)].name.as_str())
     }
 
@@ -291,7 +218,7 @@ unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::P
         if intern!(py, "message").as_ptr() == name {
             get_message(object, ptr::null_mut())
         } else if intern!(py, "message_id").as_ptr() == name {
-            into_result_pointer(py, self::object(py, open(object).0.header.message_id))
+            into_result_pointer(py, packet_getters::object(py, open(object).0.header.message_id))
         } else {
             ffi::PyObject_GenericGetAttr(object, name)
         }
@@ -385,14 +312,14 @@ unsafe extern "C" fn reduce(object: *mut ffi::PyObject, _: *mut ffi::PyObject) -
 
 fn reduced<'py>(py: Python<'py>, packet: &Packet, raw: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     let arguments = (PyBytes::new(py, raw), packet.dialect.get().owner(py)?, packet.timestamp);
-    object(py, (packet_class(py)?, arguments))
+    packet_getters::object(py, (packet_class(py)?, arguments))
 }
 
 unsafe extern "C" fn repr(object: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a packet.
     unsafe {
         let py = Python::assume_attached();
-        into_result_pointer(py, self::object(py, open(object).0.text()))
+        into_result_pointer(py, packet_getters::object(py, open(object).0.text()))
     }
 }
 

@@ -29,7 +29,7 @@ pub enum Kind {
 }
 
 /// Positions of the fields of one message that routing reads.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Fields {
     kind: Kind,
     target_system: Option<u8>,
@@ -37,6 +37,8 @@ struct Fields {
     command: Option<u8>,
     boot_time: Option<u8>,
     vehicle_type: Option<u8>,
+    /// It has one of these fields, unlike most telemetry.
+    is_read: bool,
 }
 
 impl Fields {
@@ -53,13 +55,30 @@ impl Fields {
             _ => Kind::Ordinary,
         };
         let command = COMMAND_IDS.contains(&layout.id).then(|| offset("command", FieldType::U16));
-        Self {
+        let fields = Self {
             kind,
             target_system: offset("target_system", FieldType::U8),
             target_component: offset("target_component", FieldType::U8),
             command: command.flatten(),
-            boot_time: offset("time_boot_ms", FieldType::U32),
-            vehicle_type: offset("type", FieldType::U8),
+            boot_time: offset("time_boot_ms", FieldType::U32).filter(|_| kind == Kind::BootTime),
+            vehicle_type: offset("type", FieldType::U8).filter(|_| kind == Kind::Heartbeat),
+            is_read: false,
+        };
+        Self { is_read: fields != Self { kind, ..Self::default() }, ..fields }
+    }
+
+    /// Adds the fields of a packet to its ids. Bytes that were trimmed from its payload are zero.
+    fn read(&self, packet: &Packet<'_>, ids: Summary) -> Summary {
+        let payload = packet.payload();
+        let byte = |offset: u8| payload.get(usize::from(offset)).copied().unwrap_or(0);
+        let boot_time = |at| u32::from_le_bytes([byte(at), byte(at + 1), byte(at + 2), byte(at + 3)]);
+        Summary {
+            target_system: self.target_system.map_or(0, byte),
+            target_component: self.target_component.map_or(0, byte),
+            command: self.command.map(|offset| u16::from_le_bytes([byte(offset), byte(offset + 1)])),
+            boot_time: self.boot_time.map(boot_time),
+            is_station: self.vehicle_type.is_some_and(|at| byte(at) == STATION_TYPE),
+            ..ids
         }
     }
 
@@ -114,7 +133,7 @@ impl Addressing {
         Self { fields: dialect.layouts().iter().map(Fields::of).collect() }
     }
 
-    /// Summarises a packet. Bytes that were trimmed from its payload are zero.
+    /// Summarises a packet.
     #[inline]
     #[must_use]
     pub fn summary(&self, packet: &Packet<'_>) -> Summary {
@@ -123,22 +142,15 @@ impl Addressing {
             Some(slot) => self.fields[usize::from(slot)],
             None => Fields::of_unknown(header.message_id),
         };
-        let payload = packet.payload();
-        let byte = |offset: u8| payload.get(usize::from(offset)).copied().unwrap_or(0);
-        let boot_time = fields.boot_time.filter(|_| fields.kind == Kind::BootTime);
-        let vehicle_type = fields.vehicle_type.filter(|_| fields.kind == Kind::Heartbeat);
-        Summary {
+        let summary = Summary {
             message_id: header.message_id,
             slot: packet.slot,
             kind: fields.kind,
             system: header.system,
             component: header.component,
-            target_system: fields.target_system.map_or(0, byte),
-            target_component: fields.target_component.map_or(0, byte),
-            command: fields.command.map(|offset| u16::from_le_bytes([byte(offset), byte(offset + 1)])),
-            boot_time: boot_time.map(|at| u32::from_le_bytes([byte(at), byte(at + 1), byte(at + 2), byte(at + 3)])),
-            is_station: vehicle_type.is_some_and(|at| byte(at) == STATION_TYPE),
-        }
+            ..Summary::default()
+        };
+        if fields.is_read { fields.read(packet, summary) } else { summary }
     }
 }
 

@@ -4,10 +4,10 @@
 //! the same bytes as a packet that came from another port shortly before. The same bytes from the same port are no copy:
 //! sequence numbers repeat after 256 packets, so equal messages may be equal packets.
 //!
-//! The table grows before a packet of the window displaces another one, up to a fixed size. Its hash has a random key, so that
-//! no sender can make packets that do.
+//! The table grows before a packet of the window displaces another one, up to a fixed size. Its hash has random keys, so
+//! that no sender can make packets that do.
 
-use std::hash::{BuildHasher, RandomState};
+use crate::packet_hash::PacketHasher;
 
 /// Entries that a hash can be in; the oldest of them is replaced.
 const WAYS: usize = 4;
@@ -49,18 +49,12 @@ impl Entry {
 struct Set([Entry; WAYS]);
 
 /// The packets received within a window of time. Times are monotonic, in microseconds.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Duplicates {
-    hasher: RandomState,
+    hasher: PacketHasher,
     sets: Vec<Set>,
     /// Time of the first packet, from which the times of the entries count.
     started: Option<u64>,
-}
-
-impl Default for Duplicates {
-    fn default() -> Self {
-        Self { hasher: RandomState::new(), sets: Vec::new(), started: None }
-    }
 }
 
 impl Duplicates {
@@ -73,8 +67,9 @@ impl Duplicates {
         if self.sets.is_empty() {
             self.sets = vec![Set::default(); MIN_SETS];
         }
-        let now = now.saturating_sub(*self.started.get_or_insert(now));
-        let hash = self.hasher.hash_one(raw);
+        // From 1 on, so that free entries are the oldest.
+        let now = now.saturating_sub(*self.started.get_or_insert(now)) + 1;
+        let hash = self.hasher.hash(raw);
         let new = Entry::new(hash, port as u32, now);
         let set = self.set_mut(hash);
         if let Some(known) = set.iter_mut().find(|entry| entry.tag == new.tag && entry.is_alive(window, now)) {
@@ -97,14 +92,15 @@ impl Duplicates {
 
     /// Replaces the oldest entry; a table in which that one is still needed grows first.
     fn insert(&mut self, new: Entry, window: u64, now: u64) {
-        while self.sets.len() < MAX_SETS && self.set_mut(new.at_and_set).iter().all(|entry| entry.is_alive(window, now))
-        {
+        let can_grow = self.sets.len() < MAX_SETS;
+        let [first, others @ ..] = self.set_mut(new.at_and_set);
+        let oldest =
+            others.iter_mut().fold(first, |oldest, entry| if entry.at() < oldest.at() { entry } else { oldest });
+        if can_grow && oldest.is_alive(window, now) {
             self.grow();
+            return self.insert(new, window, now);
         }
-        let age = |entry: &&mut Entry| (entry.port != 0, entry.at());
-        if let Some(oldest) = self.set_mut(new.at_and_set).iter_mut().min_by_key(age) {
-            *oldest = new;
-        }
+        *oldest = new;
     }
 
     /// Doubles the number of sets.
@@ -122,7 +118,7 @@ impl Duplicates {
     /// Forgets a packet of a port that is not forwarded: a forged one that came first must not hide the true one.
     #[cold]
     pub fn forget(&mut self, raw: &[u8], port: u64) {
-        let hash = self.hasher.hash_one(raw);
+        let hash = self.hasher.hash(raw);
         let (tag, port) = ((hash >> 32) as u32, port as u32);
         if self.sets.is_empty() {
             return;

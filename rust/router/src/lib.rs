@@ -13,6 +13,7 @@ pub mod engine;
 pub mod event;
 pub mod gateway;
 mod held;
+mod packet_hash;
 pub mod ports;
 pub mod router;
 pub mod rules;

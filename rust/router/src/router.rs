@@ -288,7 +288,7 @@ impl Router {
         outputs.extend(self.monitors.iter());
         for &port in &outputs {
             let index = self.ports[port].endpoint;
-            if self.endpoints[index].shares_group(&self.endpoints[source]) {
+            if self.endpoints[index].group.is_some() && self.endpoints[index].shares_group(&self.endpoints[source]) {
                 continue;
             }
             let endpoint = &mut self.endpoints[index];
@@ -348,9 +348,21 @@ impl Router {
     }
 }
 
-/// Decides about a packet by the rules of one direction, and reports drops.
+/// Decides about a packet by the rules of one direction, if there are any, and reports drops.
 #[inline]
 fn decide(
+    rules: &mut Rules,
+    endpoint: EndpointNumber,
+    outgoing: bool,
+    packet: &Summary,
+    now: u64,
+    events: &mut Events,
+) -> Verdict {
+    if rules.pass_all() { Verdict::Pass } else { apply(rules, endpoint, outgoing, packet, now, events) }
+}
+
+#[inline(never)]
+fn apply(
     rules: &mut Rules,
     endpoint: EndpointNumber,
     outgoing: bool,

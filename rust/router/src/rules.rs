@@ -156,12 +156,15 @@ impl Rules {
         compiled
     }
 
-    /// Decides about a packet.
+    /// Returns whether everything passes, whatever it is.
     #[inline]
+    #[must_use]
+    pub fn pass_all(&self) -> bool {
+        self.ordered.is_empty() && self.default == Action::Pass
+    }
+
+    /// Decides about a packet.
     pub fn decide(&mut self, packet: &Summary, now: u64, mut on_dry_run: impl FnMut(usize)) -> Verdict {
-        if self.ordered.is_empty() {
-            return self.default_verdict();
-        }
         let list = match packet.slot {
             _ if self.by_id.is_empty() => 0,
             Some(slot) => self.by_slot[usize::from(slot)],

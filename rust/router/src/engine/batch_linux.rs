@@ -98,17 +98,23 @@ fn receive<S: SockaddrLike + Copy, const N: usize>(
     Ok(())
 }
 
+/// Sends one datagram; without an address, to the peer of a connected socket.
+#[inline]
+pub fn send_one(socket: &UdpSocket, bytes: &[u8], address: Option<SocketAddr>) -> io::Result<()> {
+    match address {
+        None => rustix::net::send(socket, bytes, SendFlags::DONTWAIT)?,
+        Some(address) => sendto(socket, bytes, SendFlags::DONTWAIT, &address)?,
+    };
+    Ok(())
+}
+
 /// Sends the first datagrams of a queue; returns how many were sent.
 ///
 /// Datagrams of one length for one address pass the network stack together, as long as the system can divide them
 /// again (`can_segment`).
 pub fn send(socket: &UdpSocket, queue: &SendQueue, can_segment: &mut bool) -> io::Result<usize> {
     if let Some((bytes, address)) = queue.only() {
-        match address {
-            None => rustix::net::send(socket, bytes, SendFlags::DONTWAIT)?,
-            Some(address) => sendto(socket, bytes, SendFlags::DONTWAIT, &address)?,
-        };
-        return Ok(1);
+        return send_one(socket, bytes, address).map(|()| 1);
     }
     if *can_segment && let Some(run) = queue.first_run() {
         match send_run(socket, &run) {

@@ -3,6 +3,7 @@
 use crate::engine::datagrams::{ReceiveBuffer, SendQueue};
 use mio::net::UdpSocket;
 use std::io;
+use std::net::SocketAddr;
 
 /// Nothing is kept between calls.
 #[derive(Debug, Default)]
@@ -44,13 +45,17 @@ impl Batches {
     }
 }
 
+/// Sends one datagram; without an address, to the peer of a connected socket.
+pub fn send_one(socket: &UdpSocket, bytes: &[u8], address: Option<SocketAddr>) -> io::Result<()> {
+    address.map_or_else(|| socket.send(bytes), |address| socket.send_to(bytes, address)).map(|_| ())
+}
+
 /// Sends the first datagrams of a queue; returns how many were sent.
 pub fn send(socket: &UdpSocket, queue: &SendQueue, _can_segment: &mut bool) -> io::Result<usize> {
     let mut count = 0;
     for (bytes, address) in queue.first() {
-        let sent = address.map_or_else(|| socket.send(bytes), |address| socket.send_to(bytes, address));
-        match sent {
-            Ok(_) => count += 1,
+        match send_one(socket, bytes, address) {
+            Ok(()) => count += 1,
             Err(error) if count == 0 => return Err(error),
             Err(_) => break,
         }

@@ -64,6 +64,8 @@ pub struct Links {
     pub all: Slab<Link>,
     ports: Vec<Option<Destination>>,
     dirty: Vec<usize>,
+    /// The packet that is routed came alone in this turn: no other is sent with it.
+    pub is_alone: bool,
 }
 
 impl Links {
@@ -169,6 +171,11 @@ impl Sink for Links {
         }
         let link = self.all.get_mut(place.link).ok_or(QueueFull)?;
         match &mut link.transport {
+            Transport::Udp(udp) if self.is_alone => {
+                if !udp.send_alone(packet, place.address, origin)? {
+                    return Ok(());
+                }
+            }
             Transport::Udp(udp) => udp.send(packet, place.address, origin)?,
             Transport::Stream(stream) => stream.send(packet, origin)?,
             Transport::Queue(queue) => {

@@ -10,6 +10,7 @@ use crate::engine::worker::Worker;
 use crate::event::{EndpointNumber, Event};
 use crate::ports::PortId;
 use crate::router::{Evidence, Stage, Time};
+use mavstack_core::header::Header;
 use mavstack_core::parser::Parser;
 use std::io;
 use std::net::SocketAddr;
@@ -56,6 +57,7 @@ impl Worker {
             };
             let number = link.number;
             let is_closing = link.is_closing;
+            self.links.is_alone = ready.len() == 1;
             match self.read_link(index, time) {
                 Progress::More => self.mark_ready(index),
                 Progress::Drained if is_closing => self.remove(number, None),
@@ -63,6 +65,7 @@ impl Worker {
                 Progress::Ended(reason) => self.remove(number, Some(reason)),
             }
         }
+        self.links.is_alone = false;
     }
 
     fn read_link(&mut self, index: usize, time: Time) -> Progress {
@@ -87,6 +90,7 @@ impl Worker {
             Err(_) => return if REPORTS_WAITING { Progress::Drained } else { Progress::More },
         };
         self.datagrams += reading.buffer.received.len();
+        self.links.is_alone &= reading.buffer.received.len() == 1;
         // Datagrams of one sender mostly come together.
         let mut last = None;
         for number in 0..reading.buffer.received.len() {
@@ -275,6 +279,7 @@ impl Worker {
     #[inline]
     fn feed(&mut self, port: PortId, data: &[u8], time: Time) {
         let (router, links) = (&mut self.router, &mut self.links);
+        links.is_alone &= Header::parse(data).is_some_and(|header| header.packet_length() >= data.len());
         if let Some(parser) = &mut self.parsers[port] {
             parser.feed(&self.dialect, data, |packet| router.route(port, &packet, time, links));
         }

@@ -182,6 +182,30 @@ impl UdpLink {
         Ok(is_full)
     }
 
+    /// Sends a packet that came alone, or adds it to the queue; returns whether the link is to be flushed.
+    ///
+    /// The queue would cost it as much as the rest of its way.
+    #[inline]
+    pub fn send_alone(
+        &mut self,
+        packet: &[u8],
+        address: Option<SocketAddr>,
+        origin: Origin,
+    ) -> Result<bool, QueueFull> {
+        if self.queue.is_empty() && !self.is_blocked {
+            match batch::send_one(&self.socket, packet, address) {
+                Ok(()) => return Ok(false),
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => {}
+                // It may belong to an earlier datagram of a connected socket; this one is not sent either way.
+                Err(_) => {
+                    self.refused += 1;
+                    return Ok(true);
+                }
+            }
+        }
+        self.send(packet, address, origin).map(|()| true)
+    }
+
     /// Adds a packet to the queue, which is sent first if it is full.
     #[inline]
     pub fn send(&mut self, packet: &[u8], address: Option<SocketAddr>, origin: Origin) -> Result<(), QueueFull> {

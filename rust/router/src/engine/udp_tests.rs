@@ -65,3 +65,26 @@ fn one_address_leaves_half_of_the_places_to_others() {
     let second = SocketAddr::from(([10, 0, 0, 1], 2));
     assert_eq!(add(2, 6, false), Accepted::InPlaceOf(second), "not the verified one");
 }
+
+#[test]
+fn a_packet_that_comes_alone_passes_the_queue_if_that_is_empty() {
+    let client = std::net::UdpSocket::bind("127.0.0.1:0").expect("a port");
+    client.set_nonblocking(true).expect("an option");
+    let address = client.local_addr().ok();
+    let mut link =
+        UdpLink::new(UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port"), options(8)).expect("a link");
+    let origin = Origin { endpoint: 0, is_urgent: false };
+    let received = || {
+        let mut buffer = [0; 64];
+        std::iter::from_fn(|| client.recv(&mut buffer).ok().map(|length| buffer[..length].to_vec())).collect::<Vec<_>>()
+    };
+    assert_eq!((link.send_alone(b"one", address, origin), received()), (Ok(false), vec![b"one".to_vec()]));
+    link.send(b"two", address, origin).expect("room");
+    assert_eq!((link.send_alone(b"three", address, origin), received()), (Ok(true), vec![]));
+    assert!(!link.flush());
+    assert_eq!(received(), [b"two".to_vec(), b"three".to_vec()]);
+    let oversized = vec![0; 70_000];
+    assert_eq!((link.send_alone(&oversized, address, origin), link.refused, link.queue.len()), (Ok(true), 1, 0));
+    link.is_blocked = true;
+    assert_eq!((link.send_alone(b"four", address, origin), link.queue.len()), (Ok(true), 1));
+}

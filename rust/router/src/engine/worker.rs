@@ -94,7 +94,10 @@ impl Worker {
             return false;
         }
         for (index, is_writable) in events.links() {
-            self.note(index, is_writable);
+            if is_writable {
+                self.unblock(index);
+            }
+            self.mark_ready(index);
         }
         if self.shared.has_commands() && !self.execute_commands() {
             return false;
@@ -131,18 +134,17 @@ impl Worker {
         }
     }
 
-    fn note(&mut self, index: usize, is_writable: bool) {
-        let Some(link) = self.links.all.get_mut(index) else {
+    /// Sends on a link that accepts bytes again.
+    #[cold]
+    fn unblock(&mut self, index: usize) {
+        let Some(link) = self.links.all.get_mut(index).filter(|link| link.is_blocked) else {
             return;
         };
-        if is_writable && link.is_blocked {
-            link.is_blocked = false;
-            self.flush_link(index);
-            if let Some(link) = self.links.all.get_mut(index).filter(|link| !link.is_blocked) {
-                self.poll.await_writable(link, index, false);
-            }
+        link.is_blocked = false;
+        self.flush_link(index);
+        if let Some(link) = self.links.all.get_mut(index).filter(|link| !link.is_blocked) {
+            self.poll.await_writable(link, index, false);
         }
-        self.mark_ready(index);
     }
 
     pub(super) fn mark_ready(&mut self, index: usize) {

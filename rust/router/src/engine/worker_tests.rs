@@ -274,3 +274,24 @@ fn a_removed_queue_is_routed_to_its_end_in_turns() {
     let counters = &engine.worker.snapshot(0).endpoints[0].counters;
     assert_eq!((counters.sent + counters.dropped(Cause::FullQueue), turns), (10_000, 3));
 }
+
+#[test]
+fn packets_that_come_alone_are_counted_if_the_system_refuses_them() {
+    let mut engine = Engine::new();
+    let (_, address) = add_listener(&mut engine);
+    let sender = stranger();
+    // Sockets may not send to all hosts of a network unless they asked for it.
+    let all = std::net::SocketAddr::from(([127, 255, 255, 255], 9));
+    let options = UdpOptions { peer: Some(all), idle: 1 << 40, max_peers: 1, trusts_senders: false };
+    let out = mio::net::UdpSocket::bind(([127, 0, 0, 1], 0).into()).expect("a port");
+    let client = engine.add(|number| Command::AddUdp(number, out, options));
+    engine.turn();
+    for number in 0..4 {
+        engine.clock.fetch_add(1_000_000, Ordering::Relaxed);
+        sender.send_to(&heartbeat((1, 1, number)), address).expect("sent");
+        engine.turn();
+        engine.turn();
+    }
+    let counters = &engine.worker.snapshot(0).endpoints[client as usize].counters;
+    assert_eq!((counters.sent, counters.dropped(Cause::NotSent)), (0, 4));
+}
