@@ -1,7 +1,7 @@
 //! The hash of a packet, by a multiplication for each sixteen bytes.
 //!
 //! The words of the packet are added to random keys, and the products of their pairs are summed (NH, of UMAC and VMAC):
-//! two packets have one sum with a probability of 2^-64, whoever chose them, as long as the keys are unknown.
+//! two packets have one sum with a probability of 2^-64, whatever was chosen, as long as the keys are unknown.
 
 use mavstack_core::header::MAX_PACKET;
 use std::hash::{BuildHasher, RandomState};
