@@ -47,6 +47,18 @@ impl IndexSet {
         self.words.iter_mut().zip(&other.words).for_each(|(word, more)| *word |= more);
     }
 
+    /// Appends the indices in ascending order to a list.
+    #[inline]
+    pub fn append_to(&self, list: &mut Vec<usize>) {
+        for (number, &word) in self.words.iter().enumerate() {
+            let mut rest = word;
+            while rest != 0 {
+                list.push(number * 64 + rest.trailing_zeros() as usize);
+                rest &= rest - 1;
+            }
+        }
+    }
+
     /// The indices in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = usize> {
         self.words.iter().enumerate().flat_map(|(number, &word)| {
@@ -78,5 +90,8 @@ mod tests {
         other.insert(700);
         set.extend(&other);
         assert_eq!(set.iter().collect::<Vec<_>>(), [3, 200, 700]);
+        let mut list = vec![9];
+        set.append_to(&mut list);
+        assert_eq!(list, [9, 3, 200, 700]);
     }
 }

@@ -40,7 +40,7 @@ impl PacketHasher {
         if !rest.is_empty()
             && let Some(keys) = self.keys.get(pairs.len())
         {
-            sum = sum.wrapping_add(product(last_pair(packet, rest), keys));
+            sum = sum.wrapping_add(product(last_pair(packet), keys));
         }
         let mixed = product(sum, &self.last);
         mixed as u64 ^ (mixed >> 64) as u64
@@ -52,13 +52,17 @@ fn product(words: u128, keys: &[u64; 2]) -> u128 {
     u128::from((words as u64).wrapping_add(keys[0])) * u128::from(((words >> 64) as u64).wrapping_add(keys[1]))
 }
 
-/// The last sixteen bytes, of which some were in the pair before: they cost no call, unlike those of a part.
+/// The last sixteen bytes, of which some were in the pair before: they cost no call, unlike those of a part. Of a shorter
+/// packet the first and the last eight.
 #[inline]
-fn last_pair(packet: &[u8], rest: &[u8]) -> u128 {
-    match packet.last_chunk::<PAIR>() {
-        Some(last) => u128::from_le_bytes(*last),
-        None => rest.iter().rev().fold(0, |words, byte| words << 8 | u128::from(*byte)),
+fn last_pair(packet: &[u8]) -> u128 {
+    if let Some(last) = packet.last_chunk::<PAIR>() {
+        return u128::from_le_bytes(*last);
     }
+    if let (Some(first), Some(last)) = (packet.first_chunk(), packet.last_chunk()) {
+        return u128::from(u64::from_le_bytes(*first)) << 64 | u128::from(u64::from_le_bytes(*last));
+    }
+    packet.iter().fold(0, |words, byte| words << 8 | u128::from(*byte))
 }
 
 #[cfg(test)]

@@ -282,11 +282,11 @@ impl Router {
         let mut outputs = std::mem::take(&mut self.outputs);
         outputs.clear();
         match self.targets(&passing.summary) {
-            Some(targets) => outputs.extend(targets.iter().filter(|&port| port != from)),
+            Some(targets) => targets.append_to(&mut outputs),
             None => self.endpoint_of(from).counters.drop_packet(Cause::NoRoute),
         }
-        outputs.extend(self.monitors.iter());
-        for &port in &outputs {
+        self.monitors.append_to(&mut outputs);
+        for &port in outputs.iter().filter(|&&port| port != from) {
             let index = self.ports[port].endpoint;
             if self.endpoints[index].group.is_some() && self.endpoints[index].shares_group(&self.endpoints[source]) {
                 continue;

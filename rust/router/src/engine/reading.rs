@@ -10,10 +10,13 @@ use crate::engine::worker::Worker;
 use crate::event::{EndpointNumber, Event};
 use crate::ports::PortId;
 use crate::router::{Evidence, Stage, Time};
-use mavstack_core::header::Header;
+use mavstack_core::header::{CHECKSUM, HEADER_V2, SIGNATURE};
 use mavstack_core::parser::Parser;
 use std::io;
 use std::net::SocketAddr;
+
+/// The most bytes of a packet around its payload.
+const FRAME: usize = HEADER_V2 + CHECKSUM + SIGNATURE;
 
 /// Memory for reading.
 #[derive(Default)]
@@ -279,7 +282,8 @@ impl Worker {
     #[inline]
     fn feed(&mut self, port: PortId, data: &[u8], time: Time) {
         let (router, links) = (&mut self.router, &mut self.links);
-        links.is_alone &= Header::parse(data).is_some_and(|header| header.packet_length() >= data.len());
+        // The second byte is the length of the payload in both versions.
+        links.is_alone &= data.get(1).is_some_and(|&length| data.len() <= usize::from(length) + FRAME);
         if let Some(parser) = &mut self.parsers[port] {
             parser.feed(&self.dialect, data, |packet| router.route(port, &packet, time, links));
         }
