@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import uavionix
-from mavstack.errors import ActionTimeout, CommandDenied, InvalidArgumentError, MessageTimeout
+from mavstack.errors import (
+    ActionTimeout,
+    ActionUnsupported,
+    CommandDenied,
+    InvalidArgumentError,
+    MessageTimeout,
+)
 from mavstack.vehicle.transponder import TransponderStatus, _agrees
 
 
@@ -62,5 +68,38 @@ def test_impossible_values_are_not_sent(virtual_vehicle, values, problem):
     async def flight(vehicle):
         with pytest.raises(InvalidArgumentError, match=problem):
             await vehicle.transponder.set(**values)
+
+    virtual_vehicle.run(flight)
+
+
+@pytest.mark.vehicle(firmware="ardupilot")
+def test_the_identity_in_a_transponder_that_speaks_mavlink(virtual_vehicle):
+    virtual_vehicle.vehicle.has_transponder = True
+    virtual_vehicle.vehicle.reboot()
+
+    async def flight(vehicle):
+        transponder = vehicle.transponder
+        assert await transponder.get_registration() == ""
+        await transponder.set_registration("N8644B  ")
+        await transponder.set_flight_id("LX 1")
+        assert await transponder.get_registration() == "N8644B"
+        assert await transponder.get_flight_id() == "LX 1"
+        with pytest.raises(InvalidArgumentError, match="a registration must be up to 8"):
+            await transponder.set_registration("N-8644B")
+        with pytest.raises(InvalidArgumentError, match="a flight id must be up to 8"):
+            await transponder.set_flight_id("lx1")
+
+    virtual_vehicle.run(flight)
+
+
+@pytest.mark.vehicle(firmware="px4")
+def test_px4_without_transponder(virtual_vehicle):
+    async def flight(vehicle):
+        with pytest.raises(ActionUnsupported, match="set ADSB_SQUAWK and ADSB_EMERGC instead"):
+            await vehicle.transponder.set()
+        with pytest.raises(ActionTimeout, match="reading UAVIONIX_ADSB_OUT_CFG_FLIGHTID of 1/1 failed"):
+            await vehicle.transponder.get_flight_id(timeout=3)
+        with pytest.raises(ActionTimeout, match="setting UAVIONIX_ADSB_OUT_CFG_REGISTRATION of 1/1 failed"):
+            await vehicle.transponder.set_registration("N1", timeout=3)
 
     virtual_vehicle.run(flight)

@@ -328,11 +328,13 @@ class RemoteComponent(ReadOnly):
         """
         return self._host.add_listener(kind, callback, self.address)
 
-    def send(self, message: Message) -> None:
+    def send(self, message: Message, *, at_once: bool = False) -> None:
         """Send a message to the component; its target fields, if it has any, are filled in.
 
         Args:
             message: The message.
+            at_once: Write it now, as a measurement whose age counts; False: at the end of this turn of the
+                event loop, together with other messages, which costs less for many of them.
 
         Raises:
             InvalidStateError: The node is closed.
@@ -341,7 +343,7 @@ class RemoteComponent(ReadOnly):
         if fields := target_fields(type(message)):
             values: dict[str, Any] = dict(zip(fields, self.address, strict=False))
             message = message.replace(**values)
-        self._host.send(message, self.address)
+        self._host.send(message, self.address, at_once=at_once)
 
     # Events
 

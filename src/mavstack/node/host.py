@@ -119,10 +119,19 @@ class NodeHost:
         if self.open_driver is not None:
             self.open_driver.step()
 
-    def send(self, message: Message, target: Address | None = None) -> None:
-        """Send a message to a target, or to the address in its target fields."""
+    def send(self, message: Message, target: Address | None = None, *, at_once: bool = False) -> None:
+        """Send a message to a target, or to the address in its target fields.
+
+        Args:
+            message: The message.
+            target: The target; None: the address in the message.
+            at_once: Write it now; False: at the end of this turn of the event loop, with the others.
+        """
         self.engine.send(message, self.driver.now(), target)
-        self.driver.step_soon()
+        if at_once:
+            self.driver.step()
+        else:
+            self.driver.step_soon()
 
     def receive_packet(self, packet: Packet) -> None:
         """Keep a packet as the latest of its message, and deliver it."""

@@ -50,6 +50,7 @@ class Fleet:
     rangefinders: Sequence[Rangefinder] = ()
     terrain: TerrainSource = TerrainSource.FLAT
     remote_id: bool = False
+    transponder: bool = False
     #: The version of ArduPilot; None for the newest supported version.
     version: FirmwareVersion | None = None
     #: Firmware of each vehicle that speaks MSP; `add_flight_controllers_to` adds these vehicles.
@@ -80,6 +81,7 @@ class Fleet:
                 rangefinders=self.rangefinders,
                 terrain=self.terrain,
                 remote_id=self.remote_id,
+                transponder=self.transponder,
                 version=self.version if firmware is Firmware.ARDUPILOT else None,
             )
             for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))

@@ -118,6 +118,7 @@ class Simulation:
         proximity: bool | None = None,
         terrain: TerrainSource | str = TerrainSource.FLAT,
         remote_id: bool = False,
+        transponder: bool = False,
         version: FirmwareVersion | None = None,
     ) -> SimulatedVehicle:
         """Add a vehicle to the world.
@@ -133,6 +134,7 @@ class Simulation:
             proximity: Give the vehicle a proximity sensor; None if there are obstacles.
             terrain: Where an ArduPilot vehicle has the heights of the terrain from.
             remote_id: Give the vehicle a Remote ID module (component id 236).
+            transponder: Give the vehicle an ADS-B transponder (component id 156).
             version: The version of ArduPilot, 4.1 for one with other altitudes and radii; None: the newest.
 
         Returns:
@@ -159,6 +161,7 @@ class Simulation:
             proximity=bool(self.world.obstacles) if proximity is None else proximity,
             terrain=_terrain_of(firmware, terrain),
             remote_id=remote_id,
+            transponder=transponder,
             serial=_serial(self.site, len(self.vehicles) + 1),
         )
         _enable_equipment(vehicle)
@@ -278,8 +281,9 @@ def _enable_equipment(vehicle: SimulatedVehicle) -> None:
 
 
 def _enable_payloads(vehicle: SimulatedVehicle) -> None:
-    """Set ArduPilot's parameters by which its missions and commands use a camera and a gimbal."""
-    for name, present in (("CAM1_TYPE", vehicle.camera), ("MNT1_TYPE", vehicle.gimbal)):
+    """Set ArduPilot's parameters by which it uses a camera, a gimbal and a transponder."""
+    has = {"CAM1_TYPE": vehicle.camera, "MNT1_TYPE": vehicle.gimbal, "ADSB_TYPE": vehicle.transponder}
+    for name, present in has.items():
         if present is not None and name in vehicle.parameters:
             vehicle.parameters.set(name, 1)
 

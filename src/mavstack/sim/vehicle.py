@@ -30,6 +30,7 @@ from mavstack.sim.remote_id import RemoteIdModule
 from mavstack.sim.services import Services
 from mavstack.sim.signing_keys import SigningKeys
 from mavstack.sim.storage import Storage
+from mavstack.sim.transponder import SimulatedTransponder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -70,6 +71,7 @@ class SimulatedVehicle:
         rangefinders: The chosen rangefinders; empty for those of the firmware's default.
         proximity: True if the vehicle has a proximity sensor.
         has_remote_id: True if the vehicle has a Remote ID module.
+        has_transponder: True if the vehicle has an ADS-B transponder.
         terrain: The terrain that the vehicle has from ground stations; None: it knows the flat ground.
         serial: The unique id of the board, eight bytes.
     """
@@ -94,6 +96,7 @@ class SimulatedVehicle:
         proximity: bool = False,
         terrain: TerrainMap | None = None,
         remote_id: bool = False,
+        transponder: bool = False,
         serial: bytes = b"Mavstack",
     ) -> None:
         self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
@@ -103,7 +106,7 @@ class SimulatedVehicle:
         self.board_id: int | None = None
         self.rangefinders: Sequence[Rangefinder] = tuple(rangefinders)
         self.proximity, self.terrain, self.serial = proximity, terrain, serial
-        self.has_remote_id = remote_id
+        self.has_remote_id, self.has_transponder = remote_id, transponder
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now
@@ -136,6 +139,8 @@ class SimulatedVehicle:
         self._tick_due = self.now + self.address.system % 5 * TICK / 5
         self.services = Services(self, self._dialect, self.signing_keys)
         self.engine = self.services.engine
+        #: The ADS-B transponder; None if the vehicle has none.
+        self.transponder = SimulatedTransponder(self) if self.has_transponder else None
         self.modes, self.commands = self.services.modes, self.services.commands
         self.messages, self.mission = self.services.messages, self.services.mission
         self.autopilot: SimulatedAutopilot = SimulatedAutopilot(self, self.profile)

@@ -3524,11 +3524,13 @@ class RemoteComponent:
             The listener; its `close()` ends the calls.
         """
 
-    def send(self, message: Message) -> None:
+    def send(self, message: Message, *, at_once: bool=False) -> None:
         """Send a message to the component; its target fields, if it has any, are filled in.
 
         Args:
             message: The message.
+            at_once: Write it now, as a measurement whose age counts; False: at the end of this turn of the
+                event loop, together with other messages, which costs less for many of them.
 
         Raises:
             InvalidStateError: The node is closed.
@@ -4153,7 +4155,58 @@ class Transponder:
 
         Raises:
             InvalidArgumentError: A value is not possible; nothing was sent.
+            ActionUnsupported: The vehicle takes the settings from its parameters (PX4); nothing was sent.
             ActionTimeout: No report agreed in time, as of a vehicle without a transponder.
+        """
+
+    def get_flight_id(self, *, timeout: float | None=...) -> str:
+        """Request the flight id of a transponder that speaks MAVLink (UAVIONIX_ADSB_GET).
+
+        Args:
+            timeout: Seconds to wait for the answer; None waits for ever.
+
+        Returns:
+            The flight id; empty if none is set.
+
+        Raises:
+            ActionTimeout: No answer came, as from a vehicle without such a transponder.
+        """
+
+    def set_flight_id(self, flight_id: str, *, timeout: float | None=...) -> None:
+        """Set the flight id of a transponder that speaks MAVLink (UAVIONIX_ADSB_OUT_CFG_FLIGHTID).
+
+        Args:
+            flight_id: At most 8 of A to Z, 0 to 9 and the space; empty: none.
+            timeout: Seconds to wait until the transponder answers with it; None waits for ever.
+
+        Raises:
+            InvalidArgumentError: It is not possible; nothing was sent.
+            ActionTimeout: The transponder did not answer with it.
+        """
+
+    def get_registration(self, *, timeout: float | None=...) -> str:
+        """Request the registration in a transponder that speaks MAVLink (UAVIONIX_ADSB_GET).
+
+        Args:
+            timeout: Seconds to wait for the answer; None waits for ever.
+
+        Returns:
+            The registration of the aircraft, such as "N8644B"; empty if none is set.
+
+        Raises:
+            ActionTimeout: No answer came, as from a vehicle without such a transponder.
+        """
+
+    def set_registration(self, registration: str, *, timeout: float | None=...) -> None:
+        """Set the registration in a transponder (UAVIONIX_ADSB_OUT_CFG_REGISTRATION).
+
+        Args:
+            registration: Of the aircraft, at most 8 of A to Z and 0 to 9, such as "N8644B"; empty: none.
+            timeout: Seconds to wait until the transponder answers with it; None waits for ever.
+
+        Raises:
+            InvalidArgumentError: It is not possible; nothing was sent.
+            ActionTimeout: The transponder did not answer with it.
         """
 
 class ValueStream(Generic[TelemetryValue]):

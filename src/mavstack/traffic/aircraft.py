@@ -6,7 +6,6 @@ table joins them by the 24-bit address and forgets an aircraft after a minute wi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from math import cos, hypot, isfinite, radians, sin
 from typing import Final, NamedTuple
 
@@ -48,8 +47,7 @@ class Report(NamedTuple):
     squawk: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Aircraft:
+class Aircraft(NamedTuple):
     """An aircraft as it was reported last; the units are those of `Report`, times are Unix seconds."""
 
     address: int
@@ -77,18 +75,26 @@ class AircraftTable:
 
     def update(self, report: Report, now: float) -> Aircraft:
         """Add a report to its aircraft; returns the aircraft."""
+        # One call with all fields: a receiver sends thousands of reports a second.
         known = self._aircraft.pop(report.address, None) or Aircraft(report.address, now)
-        values = {
-            name: value
-            for name, value in report._asdict().items()
-            if value is not None and (not isinstance(value, float) or isfinite(value))
-        }
-        if not _is_place(values.get("latitude"), values.get("longitude")):
-            values.pop("latitude", None)
-            values.pop("longitude", None)
-        else:
-            values["positioned"] = now
-        self._aircraft[report.address] = changed = replace(known, **(values | {"seen": now}))
+        latitude, longitude = report.latitude, report.longitude
+        positioned: float | None = now
+        if latitude is None or longitude is None or not (abs(latitude) <= 90 and abs(longitude) <= 180):
+            latitude, longitude, positioned = known.latitude, known.longitude, known.positioned
+        self._aircraft[report.address] = changed = Aircraft(
+            report.address,
+            now,
+            positioned,
+            report.callsign or known.callsign,
+            latitude,
+            longitude,
+            _newer(report.altitude, known.altitude),
+            known.is_geometric if report.is_geometric is None else report.is_geometric,
+            _newer(report.course, known.course),
+            _newer(report.speed, known.speed),
+            _newer(report.climb, known.climb),
+            known.squawk if report.squawk is None else report.squawk,
+        )
         if len(self._aircraft) > MAX_AIRCRAFT:
             del self._aircraft[next(iter(self._aircraft))]
         return changed
@@ -159,7 +165,6 @@ def _velocity(aircraft: Aircraft) -> tuple[float, float, float]:
     return speed * cos(angle), speed * sin(angle), aircraft.climb or 0.0
 
 
-def _is_place(latitude: object, longitude: object) -> bool:
-    if not isinstance(latitude, float | int) or not isinstance(longitude, float | int):
-        return False
-    return abs(latitude) <= 90 and abs(longitude) <= 180
+def _newer(value: float | None, known: float | None) -> float | None:
+    """Return a reported value, or the known one if none, or none that is a number, was reported."""
+    return value if value is not None and isfinite(value) else known

@@ -6,19 +6,26 @@
 ArduPilot passes UAVIONIX_ADSB_OUT_CONTROL on to a transponder at a serial port (ADSB_TYPE 3, uAvionix UCP)
 and reports its state by UAVIONIX_ADSB_OUT_STATUS. The message has no acknowledgement, so that report is the
 answer. PX4 sends its own parameters to a transponder and takes no control from a ground station.
+
+The registration and the flight id of a transponder that speaks MAVLink (ADSB_TYPE 1) are in the transponder
+itself: UAVIONIX_ADSB_OUT_CFG_REGISTRATION and UAVIONIX_ADSB_OUT_CFG_FLIGHTID reach it through the autopilot,
+which forwards messages without a target, and it answers UAVIONIX_ADSB_GET by the requested message.
 """
 
 from __future__ import annotations
 
 import asyncio
 import re
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
-from mavstack.dialects import uavionix
+from mavstack.dialects import common, uavionix
 from mavstack.errors import InvalidArgumentError
 from mavstack.node.api_object import ReadOnly
+from mavstack.services.message_request.interval import message_id_of, name_of
 from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.firmware import firmware_of
 
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle import Vehicle
@@ -37,8 +44,13 @@ DEFAULT_TIMEOUT: Final = 10.0
 _UNKNOWN_ALTITUDE: Final = 2**31 - 1
 _SQUAWK: Final = re.compile("[0-7]{4}")
 _FLIGHT_ID: Final = re.compile("[A-Z0-9 ]{0,8}")
+_REGISTRATION: Final = re.compile("[A-Z0-9]{0,8} *")
+_PX4_SETTINGS: Final = "set ADSB_SQUAWK and ADSB_EMERGC instead, and restart it"
 #: The parts of a state that the control message sets.
 _COMPARED: Final = _STATE.MODE_A_ENABLED | _STATE.MODE_C_ENABLED | _STATE.MODE_S_ENABLED | _POSITION_REPORTS
+
+
+_Identity = TypeVar("_Identity", uavionix.UavionixAdsbOutCfgRegistration, uavionix.UavionixAdsbOutCfgFlightid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +136,12 @@ class Transponder(ReadOnly):
 
         Raises:
             InvalidArgumentError: A value is not possible; nothing was sent.
+            ActionUnsupported: The vehicle takes the settings from its parameters (PX4); nothing was sent.
             ActionTimeout: No report agreed in time, as of a vehicle without a transponder.
         """
         _check(squawk, flight_id, emergency)
+        if self._vehicle.autopilot == common.MavAutopilot.PX4:
+            raise firmware_of(self._vehicle).unsupported("set its transponder by a message", _PX4_SETTINGS)
         control = uavionix.UavionixAdsbOutControl(
             state=self._state(transmits=transmits, altitude=altitude, ident=ident),
             squawk=int(squawk),
@@ -137,6 +152,94 @@ class Transponder(ReadOnly):
         async with deadline(timeout, _OPERATION, self._vehicle.address):
             await self._vehicle.telemetry.ensure(uavionix.UavionixAdsbOutStatus, _RATE)
             return await self._send_until_reported(control)
+
+    async def get_flight_id(self, *, timeout: float | None = DEFAULT_TIMEOUT) -> str:
+        """Request the flight id of a transponder that speaks MAVLink (UAVIONIX_ADSB_GET).
+
+        Args:
+            timeout: Seconds to wait for the answer; None waits for ever.
+
+        Returns:
+            The flight id; empty if none is set.
+
+        Raises:
+            ActionTimeout: No answer came, as from a vehicle without such a transponder.
+        """
+        answer = await self._get(uavionix.UavionixAdsbOutCfgFlightid, timeout)
+        return _text(answer)
+
+    async def set_flight_id(self, flight_id: str, *, timeout: float | None = DEFAULT_TIMEOUT) -> None:
+        """Set the flight id of a transponder that speaks MAVLink (UAVIONIX_ADSB_OUT_CFG_FLIGHTID).
+
+        Args:
+            flight_id: At most 8 of A to Z, 0 to 9 and the space; empty: none.
+            timeout: Seconds to wait until the transponder answers with it; None waits for ever.
+
+        Raises:
+            InvalidArgumentError: It is not possible; nothing was sent.
+            ActionTimeout: The transponder did not answer with it.
+        """
+        if not _FLIGHT_ID.fullmatch(flight_id):
+            raise InvalidArgumentError(_impossible_flight_id(flight_id))
+        await self._set(uavionix.UavionixAdsbOutCfgFlightid(flight_id=flight_id), timeout)
+
+    async def get_registration(self, *, timeout: float | None = DEFAULT_TIMEOUT) -> str:
+        """Request the registration in a transponder that speaks MAVLink (UAVIONIX_ADSB_GET).
+
+        Args:
+            timeout: Seconds to wait for the answer; None waits for ever.
+
+        Returns:
+            The registration of the aircraft, such as "N8644B"; empty if none is set.
+
+        Raises:
+            ActionTimeout: No answer came, as from a vehicle without such a transponder.
+        """
+        answer = await self._get(uavionix.UavionixAdsbOutCfgRegistration, timeout)
+        return _text(answer)
+
+    async def set_registration(self, registration: str, *, timeout: float | None = DEFAULT_TIMEOUT) -> None:
+        """Set the registration in a transponder (UAVIONIX_ADSB_OUT_CFG_REGISTRATION).
+
+        Args:
+            registration: Of the aircraft, at most 8 of A to Z and 0 to 9, such as "N8644B"; empty: none.
+            timeout: Seconds to wait until the transponder answers with it; None waits for ever.
+
+        Raises:
+            InvalidArgumentError: It is not possible; nothing was sent.
+            ActionTimeout: The transponder did not answer with it.
+        """
+        if not _REGISTRATION.fullmatch(registration):
+            raise InvalidArgumentError(
+                f"a registration must be up to 8 of A to Z and 0 to 9, got {registration!r}"
+            )
+        await self._set(uavionix.UavionixAdsbOutCfgRegistration(registration=registration), timeout)
+
+    async def _get(self, kind: type[_Identity], timeout: float | None) -> _Identity:
+        async with deadline(timeout, f"reading {name_of(kind)} of", self._vehicle.address):
+            return await self._exchange(kind)
+
+    async def _set(self, wanted: _Identity, timeout: float | None) -> None:
+        async with deadline(timeout, f"setting {name_of(type(wanted))} of", self._vehicle.address):
+            await self._exchange(type(wanted), wanted)
+
+    async def _exchange(self, kind: type[_Identity], wanted: _Identity | None = None) -> _Identity:
+        """Ask until the transponder answers, with the wanted value if there is one: links lose messages."""
+        vehicle, found = self._vehicle, asyncio.Queue[_Identity]()
+        listener = vehicle.connection.add_listener(kind, found.put_nowait, system=vehicle.system)
+        try:
+            while True:
+                if wanted is not None:
+                    vehicle.component.send(wanted)
+                vehicle.component.send(uavionix.UavionixAdsbGet(ReqMessageId=message_id_of(kind)))
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(_REPEAT):
+                        answer = await found.get()
+                        while wanted is not None and _text(answer) != _text(wanted):
+                            answer = await found.get()
+                        return answer
+        finally:
+            listener.close()
 
     def _state(self, *, transmits: bool, altitude: bool, ident: bool) -> int:
         """Return the UAVIONIX_ADSB_OUT_CONTROL_STATE."""
@@ -164,9 +267,22 @@ def _check(squawk: str, flight_id: str, emergency: int) -> None:
     if not _SQUAWK.fullmatch(squawk):
         raise InvalidArgumentError(f"a squawk must be four digits from 0 to 7, got {squawk!r}")
     if not _FLIGHT_ID.fullmatch(flight_id):
-        raise InvalidArgumentError(f"a flight id must be up to 8 of A to Z, 0 to 9, space, got {flight_id!r}")
+        raise InvalidArgumentError(_impossible_flight_id(flight_id))
     if emergency not in range(len(uavionix.UavionixAdsbEmergencyStatus)):
         raise InvalidArgumentError(f"an emergency must be 0 to 7, got {emergency}")
+
+
+def _text(identity: _Identity) -> str:
+    """Return a flight id or a registration without the spaces that fill it."""
+    match identity:
+        case uavionix.UavionixAdsbOutCfgRegistration(registration=text):
+            return text.rstrip()
+        case uavionix.UavionixAdsbOutCfgFlightid(flight_id=text):
+            return text.rstrip()
+
+
+def _impossible_flight_id(flight_id: str) -> str:
+    return f"a flight id must be up to 8 of A to Z, 0 to 9, space, got {flight_id!r}"
 
 
 def _agrees(report: uavionix.UavionixAdsbOutStatus, control: uavionix.UavionixAdsbOutControl) -> bool:

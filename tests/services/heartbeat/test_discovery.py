@@ -88,9 +88,9 @@ def test_high_latency_sources_need_no_heartbeat() -> None:
     summary = common.HighLatency2(type=common.MavType.FIXED_WING, autopilot=common.MavAutopilot.PX4)
     discovery.receive(packet(summary), START)
     assert discovery.components[VEHICLE].is_autopilot
-    discovery.handle_timeout(START + 29)
+    discovery.handle_timeout(START + 149)
     assert kinds(discovery) == [ComponentFound]
-    discovery.handle_timeout(START + 30)
+    discovery.handle_timeout(START + 150)
     assert kinds(discovery) == [ComponentLost]
 
 

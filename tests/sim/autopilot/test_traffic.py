@@ -250,3 +250,52 @@ def test_a_copter_descends_only_above_the_altitude_of_its_return():
     one.run(4)
     assert one.mode == "AVOID_ADSB"
     assert one.vehicle.body.truth.down == pytest.approx(begin.down, abs=1)
+
+
+def test_a_copter_avoids_in_the_middle_of_its_takeoff():
+    one = SimulationHarness().add("copter", "ardupilot", AVD_ENABLE=1, AVD_F_ACTION=3, AVD_F_RCVRY=0)
+    one.receiving = True
+    one.run_until(lambda: one.vehicle.autopilot.has_position, timeout=60)
+    one.enter("GUIDED").run(1)
+    assert not one.autopilot.arm(force=True)
+    one.run(2.5)
+    assert one.command(common.MavCmd.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 30) == common.MavResult.ACCEPTED
+    one.run_until(lambda: one.autopilot.altitude > 2)
+    begin = one.vehicle.body.truth
+    threaten(one, 4, east=20.0)
+    assert one.mode == "AVOID_ADSB"
+    assert one.vehicle.body.truth.east < begin.east - 3
+    assert one.autopilot.armed
+
+
+@pytest.mark.parametrize("seconds", [0.5, 3.0])
+def test_a_copter_that_is_armed_on_the_ground_disarms(seconds):
+    one = SimulationHarness().add("copter", "ardupilot", AVD_ENABLE=1, AVD_F_ACTION=3)
+    one.receiving = True
+    one.run_until(lambda: one.vehicle.autopilot.has_position, timeout=60)
+    one.enter("GUIDED").run(1)
+    assert not one.autopilot.arm(force=True)
+    one.run(seconds)
+    one.send(aircraft(one, 900.0, east=20.0))
+    one.run(1)
+    assert not one.autopilot.armed
+    assert collisions(one)[-1].action == ACTION.NONE
+
+
+def test_a_copter_in_land_does_nothing():
+    one = copter("ardupilot", AVD_ENABLE=1, AVD_F_ACTION=3)
+    one.enter("LAND").run(1)
+    one.send(aircraft(one, 900.0, east=20.0))
+    one.run(2)
+    assert (one.mode, collisions(one)[-1].action) == ("LAND", ACTION.NONE)
+
+
+@pytest.mark.parametrize(("above_home", "mode"), [(30, "GUIDED"), (10, "AVOID_ADSB")])
+def test_the_lowest_altitude_of_the_avoidance_is_above_the_sea(above_home, mode):
+    one = copter("ardupilot", AVD_ENABLE=1, AVD_F_ACTION=3)
+    ground = one.vehicle.body.frame.to_global(0.0, 0.0, 0.0)[2]
+    one.vehicle.parameters.set("AVD_F_ALT_MIN", round(ground) + above_home)  # it flies 20 m above home
+    one.enter("GUIDED").run(1)
+    one.send(aircraft(one, 900.0, east=20.0))
+    one.run(2)
+    assert one.mode == mode

@@ -16,19 +16,29 @@ WAITING_FOR_GPS = EKF.ATTITUDE | EKF.VELOCITY_VERT | EKF.POS_VERT_ABS | EKF.CONS
 USING_GPS = EKF(0b1100111111)
 
 
-def report_like_4_0(script, flags):
-    """Let a scripted vehicle report its sensors, but no pre-arm check, and the flags in a list."""
+def report_sensors(script):
+    """Let a scripted vehicle report its sensors, but no pre-arm check."""
     script._status = lambda now: common.SysStatus(
         onboard_control_sensors_present=common.MavSysStatusSensor.SENSOR_3D_GYRO,
         onboard_control_sensors_enabled=common.MavSysStatusSensor.SENSOR_3D_GYRO,
         onboard_control_sensors_health=common.MavSysStatusSensor.SENSOR_3D_GYRO,
     )
     script.publish(common.SysStatus, script._status, interval=0.5)
+
+
+def report_estimator(script, flags):
+    """Let a scripted vehicle report the last flags of a list as those of its estimator."""
     script.publish(
         ardupilotmega.EkfStatusReport,
         lambda now: ardupilotmega.EkfStatusReport(flags=flags[-1]),
         interval=1,
     )
+
+
+def report_like_4_0(script, flags):
+    """Let a scripted vehicle report its sensors and the flags in a list, but no pre-arm check."""
+    report_sensors(script)
+    report_estimator(script, flags)
 
 
 def test_a_vehicle_without_a_pre_arm_bit_is_ready_once_it_reports_no_problem():
@@ -66,5 +76,31 @@ def test_a_mode_without_a_position_does_not_wait_for_the_estimator():
         report_like_4_0(harness.autopilot, [WAITING_FOR_GPS])
         await asyncio.sleep(2)
         assert (await harness.vehicle.wait_until_ready(mode="STABILIZE", timeout=15)).ready is None
+
+    run_scenario(scenario, autopilot=ARDUPILOT)
+
+
+def test_a_vehicle_that_boots_is_not_ready_before_its_estimator_reports():
+    """As ArduRover 4.1 on a busy machine, which then refused GUIDED for a minute."""
+
+    async def scenario(harness):
+        report_sensors(harness.autopilot)
+        waiting = asyncio.create_task(harness.vehicle.wait_until_ready(timeout=120))
+        await asyncio.sleep(8)
+        assert not waiting.done()
+        flags = [WAITING_FOR_GPS]
+        report_estimator(harness.autopilot, flags)
+        await asyncio.sleep(30)
+        assert not waiting.done()
+        flags.append(USING_GPS)
+        await asyncio.wait_for(waiting, 20)
+
+    run_scenario(scenario, autopilot=ARDUPILOT)
+
+
+def test_a_vehicle_whose_estimator_never_reports_is_ready_without_it():
+    async def scenario(harness):
+        report_sensors(harness.autopilot)
+        assert (await harness.vehicle.wait_until_ready(timeout=30)).ready is None
 
     run_scenario(scenario, autopilot=ARDUPILOT)

@@ -114,6 +114,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add("--remote-id", action="store_true", help="give each vehicle a Remote ID module (component id 236)")
     add(
+        "--transponder", action="store_true", help="give each vehicle an ADS-B transponder (component id 156)"
+    )
+    add(
         "--ardupilot-version",
         type=version,
         metavar="VERSION",
@@ -236,6 +239,7 @@ def _fleet(
         rangefinders=arguments.rangefinder,
         terrain=arguments.terrain,
         remote_id=arguments.remote_id,
+        transponder=arguments.transponder,
         version=arguments.ardupilot_version,
         controllers=controllers,
     )

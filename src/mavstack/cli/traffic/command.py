@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
@@ -101,11 +100,19 @@ def _alarm_text(alarm: TrafficAlarm) -> str:
     )
 
 
+def _alarm_as_json(alarm: TrafficAlarm) -> dict[str, object]:
+    return {
+        "system": alarm.system,
+        "aircraft": alarm.aircraft._asdict(),
+        "approach": alarm.approach._asdict(),
+    }
+
+
 def _report(feed: TrafficFeed, alarms: list[TrafficAlarm], *, as_json: bool) -> None:
     aircraft = feed.aircraft.all()
     if as_json:
-        listed = [asdict(each) for each in aircraft]
-        raised = [asdict(alarm) | {"approach": alarm.approach._asdict()} for alarm in alarms]
+        listed = [each._asdict() for each in aircraft]
+        raised = [_alarm_as_json(alarm) for alarm in alarms]
         echo_json({"reports": feed.reports, "sent": feed.sent, "aircraft": listed, "alarms": raised})
         return
     rows = [

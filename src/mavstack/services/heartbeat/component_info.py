@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
 HEARTBEAT_TIMEOUT = 5.0
-#: Longer than HEARTBEAT_TIMEOUT, because HIGH_LATENCY2 arrives every five seconds at best.
-HIGH_LATENCY_TIMEOUT = 30.0
+#: Two intervals of HIGH_LATENCY2 and some: ArduPilot sends it each 5 s, PX4 each 67 s (MAV_0_HL_FREQ).
+HIGH_LATENCY_TIMEOUT = 150.0
 
 
 @dataclass(frozen=True, slots=True)

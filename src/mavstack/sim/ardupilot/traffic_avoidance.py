@@ -101,7 +101,9 @@ class TrafficAvoidance:
 
     def _action(self) -> int:
         action, lowest = int(self._number("AVD_F_ACTION")), self._number("AVD_F_ALT_MIN")
-        if action > _ACTION.REPORT and lowest > 0 and self._autopilot.altitude < lowest:
+        here, frame = self._autopilot.maneuvers.place, self._autopilot.body.frame
+        # The lowest altitude is above the sea, not above home.
+        if action > _ACTION.REPORT and lowest > 0 and frame.to_global(*here)[2] < lowest:
             return int(_ACTION.REPORT)
         return action
 

@@ -1,9 +1,11 @@
 """How ArduPilot's vehicles avoid an aircraft (AVD_F_ACTION) and continue afterwards (AVD_F_RCVRY).
 
 For a climb or descent, a horizontal move and a flight at a right angle they enter AVOID_ADSB. A copter flies
-away by its speeds; a plane gets a guided target 10 km aside or 10 m higher or lower, and does nothing in
-MANUAL and QLAND, in AUTO before its takeoff is complete, and during a landing. Neither descends below the
-altitude of its return. Source: ArduPilot, ArduCopter and ArduPlane, avoidance_adsb.
+away by its speeds, also in the middle of a takeoff; within two seconds after arming and while it is landed it
+disarms instead, and in LAND, THROW and FLIP it does nothing. A plane gets a guided target 10 km aside or 10 m
+higher or lower, and does nothing in MANUAL and QLAND, in AUTO before its takeoff is complete, and during a
+landing. Neither descends below the altitude of its return.
+Source: ArduPilot, ArduCopter and ArduPlane, avoidance_adsb.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.ardupilot.failsafes.copter import should_disarm
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 
 _ACTION: Final = common.MavCollisionAction
 _COPTER, _PLANE = ardupilotmega.CopterMode, ardupilotmega.PlaneMode
+#: The modes in which a copter does not avoid aircraft.
+_PASSIVE_MODES: Final = frozenset({_COPTER.LAND, _COPTER.THROW, _COPTER.FLIP})
 #: Values of AVD_F_RCVRY: 0 stays in the mode, 1 enters the mode before the avoidance, 2 enters RTL, others
 #: enter AUTO if it was active before, else they stay at the place.
 _STAY, _RESUME, _RETURN = 0, 1, 2
@@ -50,13 +55,18 @@ class CopterEvasion:
     def avoid(self, contact: Contact, action: int) -> int:
         """Avoid an aircraft; return the action that is taken."""
         autopilot = self._autopilot
-        if not autopilot.armed or autopilot.landed:
+        first = self._mode_before is None
+        if first:
+            self._mode_before = autopilot.mode.number
+        if autopilot.mode.number in _PASSIVE_MODES:
+            return int(_ACTION.NONE)
+        if should_disarm(autopilot):
+            autopilot.disarm(_AVOIDANCE)
             return int(_ACTION.NONE)
         mode = {int(_ACTION.RTL): _COPTER.RTL, int(_ACTION.HOVER): _COPTER.LOITER}.get(
             action, _COPTER.AVOID_ADSB
         )
-        if self._mode_before is None:
-            self._mode_before = autopilot.mode.number
+        if first:
             autopilot.enter(int(mode), _AVOIDANCE)
         if mode == _COPTER.AVOID_ADSB and autopilot.mode.number == mode:
             autopilot.guided.fly_velocity(*self._velocity(contact, action))

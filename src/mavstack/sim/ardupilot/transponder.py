@@ -16,6 +16,7 @@ from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Service
 
 if TYPE_CHECKING:
+    from mavstack.sim.transponder import FromAutopilot
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
@@ -76,15 +77,19 @@ class TransponderPort(Service):
                 text = f"ADSB: Using ICAO_id {configuration.ICAO} and Callsign {configuration.callsign}"
                 self._vehicle.send_statustext(text, common.MavSeverity.INFO)
             case uavionix.UavionixAdsbTransceiverHealthReport() if self._type == _MAVLINK:
-                if self._transceiver is None:
-                    self._due = now
-                self._transceiver, self._heard = Address(packet.system, packet.component), now
+                self._hear(Address(packet.system, packet.component), now)
 
     def next_timeout(self) -> float | None:
-        return None if self._transceiver is None else self._due
+        is_needed = self._transceiver is not None or self._vehicle.transponder is not None
+        return self._due if is_needed else None
 
     def handle_timeout(self, now: float) -> None:
-        if self._transceiver is None or now < self._due:
+        if self._vehicle.transponder is not None and self._type == _MAVLINK:
+            self._hear(self._vehicle.transponder.local, now)
+        if now < self._due:
+            return
+        if self._transceiver is None:
+            self._due = now + DYNAMIC_INTERVAL  # until ADSB_TYPE is 1
             return
         if now - self._heard > HEALTH_TIMEOUT or self._type != _MAVLINK:
             self._transceiver = None
@@ -95,8 +100,21 @@ class TransponderPort(Service):
             return
         if now - self._configured >= CONFIGURATION_INTERVAL:
             self._configured = now
-            self.send(self._configuration, self._transceiver)
-        self.send(self._dynamic(now), self._transceiver)
+            self._deliver(self._configuration, self._transceiver)
+        self._deliver(self._dynamic(now), self._transceiver)
+
+    def _hear(self, transceiver: Address, now: float) -> None:
+        if self._transceiver is None:
+            self._due = now
+        self._transceiver, self._heard = transceiver, now
+
+    def _deliver(self, message: FromAutopilot, transceiver: Address) -> None:
+        """Give a message to the transponder of the vehicle, or send it to another transceiver."""
+        fitted = self._vehicle.transponder
+        if fitted is not None and fitted.local == transceiver:
+            fitted.take(message)
+        else:
+            self.send(message, transceiver)
 
     @property
     def _type(self) -> int:

@@ -35,12 +35,12 @@ _LAYERS = {
     (Firmware.ARDUPILOT, VehicleType.ROVER): ("common", "rover"),
     (Firmware.ARDUPILOT, VehicleType.BOAT): ("common", "rover", "boat"),
     (Firmware.ARDUPILOT, VehicleType.SUB): ("common", "hover", "sub"),
-    (Firmware.PX4, VehicleType.COPTER): ("common", "multicopter", "copter"),
-    (Firmware.PX4, VehicleType.PLANE): ("common", "fixed_wing", "plane"),
-    (Firmware.PX4, VehicleType.VTOL): ("common", "multicopter", "fixed_wing", "vtol"),
-    (Firmware.PX4, VehicleType.ROVER): ("common", "surface", "rover"),
-    (Firmware.PX4, VehicleType.BOAT): ("common", "surface", "boat"),
-    (Firmware.PX4, VehicleType.SUB): ("common", "sub"),
+    (Firmware.PX4, VehicleType.COPTER): ("common", "transponder", "multicopter", "copter"),
+    (Firmware.PX4, VehicleType.PLANE): ("common", "transponder", "fixed_wing", "plane"),
+    (Firmware.PX4, VehicleType.VTOL): ("common", "transponder", "multicopter", "fixed_wing", "vtol"),
+    (Firmware.PX4, VehicleType.ROVER): ("common", "transponder", "surface", "rover"),
+    (Firmware.PX4, VehicleType.BOAT): ("common", "transponder", "surface", "boat"),
+    (Firmware.PX4, VehicleType.SUB): ("common", "transponder", "sub"),
 }
 _LINE = re.compile(
     r"(?P<name>\S+) (?P<kind>[A-Z0-9]+) (?P<value>\S+)"

@@ -33,6 +33,7 @@ from mavstack.sim.px4.precision_landing import register_precision_landing
 from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.px4.traffic_avoidance import TrafficAvoidance
+from mavstack.sim.px4.transponder import TransponderLink
 from mavstack.sim.telemetry import HighLatency, publish_px4
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -110,6 +111,7 @@ class Px4Profile(FirmwareProfile):
         autopilot.watches.append(LogStreaming(vehicle))
         register_follow(vehicle)
         register_precision_landing(vehicle)
+        TransponderLink(vehicle)
         self.message_log.start(vehicle)
         self.event_reporter.start(vehicle)
         Console(vehicle, self.state, self.message_log)

@@ -45,8 +45,10 @@ _HEALTH_RATES: Final[tuple[tuple[type[Message], float], ...]] = (
     (common.BatteryStatus, 0.5),
 )
 _ESTIMATOR_RATE = 1.0
-#: The time in which an estimator must report, in seconds; without a report only the pre-arm bit counts.
-_ESTIMATOR_TIMEOUT = 4.0
+#: The time in which an estimator must report, in seconds; without a report only the pre-arm bit counts. An
+#: ArduPilot that boots on a busy machine sent its first report after five seconds; one that is armed before
+#: refuses every mode that needs a position.
+_ESTIMATOR_TIMEOUT = 12.0
 #: The time in which a radio control receiver must appear, in seconds.
 _RADIO_TIMEOUT = 5.0
 _EKF: Final = ardupilotmega.EkfStatusFlags

@@ -168,6 +168,6 @@ class External(ReadOnly):
 
     def _send_estimate(self, estimate: PoseEstimate, time: float | None, *messages: Message) -> None:
         for message in messages:
-            self.vehicle.component.send(message)
+            self.vehicle.component.send(message, at_once=True)
         now = self.vehicle.component.now()
         self.monitor.add(now if time is None else time, now, estimate)

@@ -47,6 +47,13 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
+it('finds a vehicle that sends HIGH_LATENCY2 in place of heartbeats', () => {
+  const transport = new FakeTransport();
+  void fleet.connect(transport, 'server', link);
+  transport.receive(new Encoder(7, 1).build('HIGH_LATENCY2', { type: 2, autopilot: 12, custom_mode: 0x0304 }));
+  expect(fleet.vehicle(7)?.state).toMatchObject({ type: 'copter', mode: 'LOITER', alive: true });
+});
+
 it('sends nothing of a vehicle of the link that was left to the next one', () => {
   const [first, second] = [new FakeTransport(), new FakeTransport()];
   void fleet.connect(first, 'server', link);

@@ -259,4 +259,49 @@ describe('StateTracker', () => {
     scene.tracker.learnHome(47, 8, 500);
     expect(scene.state.home).toMatchObject({ latitude: 46, longitude: 7, altitude: 400 });
   });
+
+  it('shows a vehicle that sends HIGH_LATENCY2 in place of heartbeats', () => {
+    const scene = new Station();
+    const summary = {
+      type: 1,
+      autopilot: 12,
+      custom_mode: 0x0304,
+      latitude: 470_000_000,
+      longitude: 80_000_000,
+      altitude: 620,
+      heading: 90,
+      groundspeed: 75,
+      battery: 63,
+      wp_num: 4,
+      custom0: -128,
+    };
+    scene.take('HIGH_LATENCY2', summary);
+    expect(scene.state).toMatchObject({ type: 'copter', alive: true }); // heartbeats say more
+    scene.time += 10_000;
+    expect(scene.state.alive).toBe(false);
+    scene.take('HIGH_LATENCY2', summary);
+    expect(scene.state).toMatchObject({
+      type: 'plane',
+      firmware: 'px4',
+      mode: 'LOITER',
+      armed: null,
+      alive: true,
+      position: { latitude: 47, longitude: 8, altitude: 620, relativeAltitude: null },
+      heading: 180,
+      groundSpeed: 15,
+      battery: { remaining: 0.63 },
+      mission: { current: 4 },
+    });
+    scene.time += 140_000; // PX4 sends one each 67 s
+    expect(scene.state.alive).toBe(true);
+    scene.time += 20_000;
+    expect(scene.state.alive).toBe(false);
+    scene.take('HIGH_LATENCY2', { ...summary, autopilot: 3, custom_mode: 11, custom0: -127, battery: -1 });
+    expect(scene.state).toMatchObject({
+      firmware: 'ardupilot',
+      mode: 'RTL',
+      armed: true,
+      battery: { remaining: 0.63 },
+    });
+  });
 });

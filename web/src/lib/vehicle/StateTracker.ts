@@ -15,8 +15,9 @@ const MAX_OPEN_TEXTS = 16;
 const LOSS_TIME = 5000;
 /** A text in ms that the station received so much earlier or later than the page is another one. */
 const SAME_TEXT_TIME = 3000;
-/** Heartbeats come once a second. */
+/** Heartbeats come once a second; HIGH_LATENCY2, which replaces them, each 5 s (ArduPilot) or 67 s (PX4). */
 const ALIVE_TIMEOUT = 5000;
+const HIGH_LATENCY_TIMEOUT = 150_000;
 
 export class StateTracker {
   private readonly draft: Draft;
@@ -41,6 +42,7 @@ export class StateTracker {
     this.count(message);
     if (message.name === 'STATUSTEXT') return this.takeText(message);
     // Cameras and gimbals have the system id of the vehicle, and heartbeats of their own.
+    if (message.name === 'HIGH_LATENCY2' && message.time - this.heartbeatTime < ALIVE_TIMEOUT) return null;
     if (message.component === this.draft.component || !OWN_MESSAGES.has(message.name)) {
       READERS[message.name]?.(this.draft, message.fields, message);
       if (MODE_MESSAGES.has(message.name)) this.nameMode(message);
@@ -80,13 +82,15 @@ export class StateTracker {
 
   /** Returns a copy of the state at a time in ms since 1970. */
   snapshot(now: number): VehicleState {
-    this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT;
+    this.draft.alive = now - this.heartbeatTime < ALIVE_TIMEOUT || now - this.summaryTime < HIGH_LATENCY_TIMEOUT;
     this.draft.overdue = this.draft.alive ? this.streams.overdue(now) : [];
     this.draft.inAir = isInAir(this.draft, now - this.landedTime);
     return { ...this.draft };
   }
 
   private heartbeatTime = 0;
+  /** Of the last HIGH_LATENCY2. */
+  private summaryTime = 0;
   private landedTime = 0;
 
   private count(message: DecodedMessage): void {
@@ -101,7 +105,8 @@ export class StateTracker {
     this.draft.lastHeard = time;
     if (component === this.draft.component) {
       this.streams.take(message.name, time);
-      if (message.name === 'HEARTBEAT') this.heartbeatTime = time;
+      if (message.name === 'HEARTBEAT') [this.heartbeatTime, this.summaryTime] = [time, 0];
+      if (message.name === 'HIGH_LATENCY2' && time - this.heartbeatTime >= ALIVE_TIMEOUT) this.summaryTime = time;
       if (message.name === 'EXTENDED_SYS_STATE') this.landedTime = time;
     }
     if (this.countedSince === null || time < this.countedSince) this.countedSince = time;
@@ -149,6 +154,7 @@ function isSameText(one: StatusText, other: StatusText): boolean {
 /** Messages that other components of the system send about themselves. */
 const OWN_MESSAGES: ReadonlySet<string> = new Set([
   'HEARTBEAT',
+  'HIGH_LATENCY2',
   'SYS_STATUS',
   'ATTITUDE',
   'GLOBAL_POSITION_INT',
@@ -170,6 +176,7 @@ const OWN_MESSAGES: ReadonlySet<string> = new Set([
 /** Messages that tell the mode, or the name of one. */
 const MODE_MESSAGES: ReadonlySet<string> = new Set([
   'HEARTBEAT',
+  'HIGH_LATENCY2',
   'CURRENT_MODE',
   'AVAILABLE_MODES',
   'AUTOPILOT_VERSION',

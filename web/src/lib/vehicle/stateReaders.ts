@@ -18,6 +18,7 @@ const DEGREES = 180 / Math.PI;
 const NO_U16 = 0xffff;
 const NO_U8 = 0xff;
 const NO_I16 = 0x7fff;
+const UPPER_HALF = 0x10000;
 /** RC_CHANNELS_RAW counts if RC_CHANNELS is older than this, in ms. */
 const FINE_LIFETIME = 10_000;
 
@@ -28,6 +29,24 @@ function known(value: FieldValue | undefined, unknown: number | null = null, sca
   const plain = Number(value);
   return Number.isFinite(plain) && plain !== unknown ? plain * scale : null;
 }
+
+/** Returns the place of HIGH_LATENCY2, whose altitude is in whole metres above the sea; null: not known. */
+function coarsePosition(fields: Fields): VehicleState['position'] {
+  const [latitude, longitude] = [number(fields.latitude) / 1e7, number(fields.longitude) / 1e7];
+  if (latitude === 0 && longitude === 0) return null;
+  return { latitude, longitude, altitude: number(fields.altitude), relativeAltitude: null };
+}
+
+const EMPTY_BATTERY: Battery = {
+  id: 0,
+  voltage: null,
+  current: null,
+  remaining: null,
+  consumed: null,
+  cells: [],
+  temperature: null,
+  chargeState: null,
+};
 
 function batteryOf(fields: Fields): Battery {
   const all = [
@@ -74,6 +93,26 @@ export const READERS: Readonly<Record<string, Reader>> = {
     draft.armed = (number(fields.base_mode) & MavModeFlag.SAFETY_ARMED) !== 0;
     draft.systemStatus = number(fields.system_status);
   },
+  HIGH_LATENCY2(draft, fields) {
+    draft.mavType = number(fields.type);
+    draft.type = vehicleTypeOf(draft.mavType);
+    draft.autopilot = number(fields.autopilot);
+    draft.firmware = firmwareOf(draft.autopilot);
+    const isPx4 = draft.firmware === 'px4';
+    // It has 16 bits for the mode: PX4 sends the upper half of its number, which has the mode.
+    draft.customMode = number(fields.custom_mode) * (isPx4 ? UPPER_HALF : 1);
+    // ArduPilot sends the base mode of HEARTBEAT beside it.
+    draft.armed = isPx4 ? null : (number(fields.custom0) & MavModeFlag.SAFETY_ARMED) !== 0;
+    draft.position = coarsePosition(fields) ?? draft.position;
+    draft.heading = (number(fields.heading) * 2) % 360;
+    draft.airSpeed = number(fields.airspeed) / 5;
+    draft.groundSpeed = number(fields.groundspeed) / 5;
+    draft.climbRate = number(fields.climb_rate) / 10;
+    draft.throttle = number(fields.throttle) / 100;
+    const remaining = known(fields.battery, -1, 0.01);
+    draft.battery = remaining === null ? draft.battery : { ...EMPTY_BATTERY, remaining };
+    draft.mission = { current: number(fields.wp_num), total: null, state: null };
+  },
   ATTITUDE(draft, fields) {
     draft.roll = number(fields.roll) * DEGREES;
     draft.pitch = number(fields.pitch) * DEGREES;
@@ -114,14 +153,10 @@ export const READERS: Readonly<Record<string, Reader>> = {
   SYS_STATUS(draft, fields) {
     if (draft.batteries.length === 0) {
       draft.battery = {
-        id: 0,
+        ...EMPTY_BATTERY,
         voltage: known(fields.voltage_battery, NO_U16, 0.001),
         current: known(fields.current_battery, -1, 0.01),
         remaining: known(fields.battery_remaining, -1, 0.01),
-        consumed: null,
-        cells: [],
-        temperature: null,
-        chargeState: null,
       };
     }
     const present = number(fields.onboard_control_sensors_present);

@@ -39,6 +39,15 @@ _TERRAIN_TIMEOUT: Final = 5.0
 _ZERO_THROTTLE_MODES: Final = frozenset({_MODE.STABILIZE, _MODE.ACRO})
 
 
+def should_disarm(autopilot: SimulatedAutopilot) -> bool:
+    """Return whether a copter disarms instead of acting on a failsafe or avoiding an aircraft."""
+    if autopilot.now - autopilot.armed_at < _ARMING_DELAY:
+        return True
+    if autopilot.mode.number in _ZERO_THROTTLE_MODES:
+        return autopilot.landed or autopilot.radio.sticks.throttle < _THROTTLE_CLOSED
+    return autopilot.landed
+
+
 class CopterFailsafes(FirmwareFailsafes):
     """The failsafes of Copter."""
 
@@ -69,7 +78,7 @@ class CopterFailsafes(FirmwareFailsafes):
         """Execute FS_THR_ENABLE."""
         action = _RADIO_ACTIONS.get(int(self.number("FS_THR_ENABLE")), LAND)
         mode = self.autopilot.mode.number
-        if self._should_disarm():
+        if should_disarm(self.autopilot):
             self._announce("Radio", "Disarming")
             self.disarm("Radio")
         elif self._continues_landing("Radio", action):
@@ -89,7 +98,7 @@ class CopterFailsafes(FirmwareFailsafes):
         autopilot = self.autopilot
         if not autopilot.armed:
             self._announce("GCS")
-        elif self._should_disarm():
+        elif should_disarm(self.autopilot):
             self.disarm("GCS")
             self._announce("GCS", "Disarming")
         elif self._continues_landing("GCS", action):
@@ -116,7 +125,7 @@ class CopterFailsafes(FirmwareFailsafes):
     def _on_terrain_loss(self) -> None:
         """Return to home."""
         self.send_statustext("Failsafe: Terrain data missing", common.MavSeverity.CRITICAL)
-        if self._should_disarm():
+        if should_disarm(self.autopilot):
             self.disarm("Terrain")
         else:
             self._enter_first(RTL, "Terrain")
@@ -124,7 +133,7 @@ class CopterFailsafes(FirmwareFailsafes):
     def battery_failsafe(self, level: str, action: int) -> None:
         """Execute BATT_FS_LOW_ACT or BATT_FS_CRT_ACT."""
         self._battery_lands = action in (LAND, TERMINATE)
-        if self._should_disarm():
+        if should_disarm(self.autopilot):
             self.disarm("Battery")
             self._announce("Battery", "Disarming")
         elif action != NONE and self._is_landing() and self.option("FS_OPTIONS", _LANDING):
@@ -156,15 +165,6 @@ class CopterFailsafes(FirmwareFailsafes):
         """Return whether the vehicle is landing."""
         behaviour = self.autopilot.behaviour
         return behaviour is not None and behaviour.landing
-
-    def _should_disarm(self) -> bool:
-        """Return whether to disarm instead of flying."""
-        autopilot = self.autopilot
-        if autopilot.now - autopilot.armed_at < _ARMING_DELAY:
-            return True
-        if autopilot.mode.number in _ZERO_THROTTLE_MODES:
-            return autopilot.landed or autopilot.radio.sticks.throttle < _THROTTLE_CLOSED
-        return autopilot.landed
 
     def _perform(self, action: int, cause: str) -> None:
         """Execute an action."""
