@@ -164,9 +164,13 @@ class Simulation:
             transponder=transponder,
             serial=_serial(self.site, len(self.vehicles) + 1),
         )
+        return self._register(vehicle)
+
+    def _register(self, vehicle: SimulatedVehicle) -> SimulatedVehicle:
+        """Set the parameters of a vehicle's equipment, and let the world step the vehicle; return it."""
         _enable_equipment(vehicle)
         self.vehicles.append(vehicle)
-        _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
+        _LOG.info("vehicle %d added: %s %s", vehicle.address.system, vehicle.firmware, vehicle.vehicle_type)
         return vehicle
 
     def add_flight_controller(
