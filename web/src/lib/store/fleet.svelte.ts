@@ -211,7 +211,7 @@ class Fleet {
   }
 }
 
-/** Whether a message shows a vehicle; over a link of high latency vehicles send HIGH_LATENCY2 in place of heartbeats. */
+/** Whether a message shows a vehicle; over a link of high latency it sends HIGH_LATENCY2 in place of heartbeats. */
 function isVehicleHeartbeat(message: DecodedMessage): boolean {
   if (message.name !== 'HEARTBEAT' && message.name !== 'HIGH_LATENCY2') return false;
   return isAutopilot(Number(message.fields.type), Number(message.fields.autopilot));
