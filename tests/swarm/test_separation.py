@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.swarm.separation import distances, near_pairs, nearest_pair, pairs_below
+from mavstack.errors import MissingExtraError
+from mavstack.swarm.separation import distances, import_libraries, near_pairs, nearest_pair, pairs_below
 
 
 def test_height_counts_half():
@@ -51,3 +53,11 @@ def test_the_nearest_pair_has_the_smallest_of_all_distances(places):
     if nearest < math.inf:
         assert first < second
         assert between[first, second] == pytest.approx(nearest, rel=1e-9, abs=1e-150)
+
+
+def test_what_swarms_need_is_imported_before_they_fly(monkeypatch):
+    import_libraries()
+    assert {"scipy.optimize", "scipy.spatial"} <= sys.modules.keys()
+    monkeypatch.setitem(sys.modules, "scipy.spatial", None)
+    with pytest.raises(MissingExtraError, match="swarms need scipy"):
+        import_libraries()

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -143,6 +144,21 @@ def near_pairs(points: Points, limit: float, members: int | None = None) -> tupl
         counts = found.min(axis=1) < members
         found, near = found[counts], near[counts]
     return found, near
+
+
+def import_libraries() -> None:
+    """Import the parts of scipy that swarms need, which take a second at their first use.
+
+    A program calls it before its vehicles need setpoints: half a second without one ends PX4's offboard mode.
+
+    Raises:
+        MissingExtraError: scipy is not installed.
+    """
+    try:
+        for name in ("scipy.optimize", "scipy.spatial"):
+            import_module(name)
+    except ImportError as error:
+        raise MissingExtraError("swarms need scipy", "swarm") from error
 
 
 def _known(points: Points) -> tuple[Indices, Points]:

@@ -79,6 +79,16 @@ def test_shares_and_durations_are_those_of_the_speeds_of_vehicle_types(simulate,
     assert copter["length_m"] == pytest.approx(rover["length_m"], rel=0.05)
 
 
+def test_vehicles_that_are_named_are_waited_for_without_a_url(simulate, mav):
+    simulate(COPTER, PX4_COPTER, apart=True)
+    words = ("mission", "survey", *CORNERS, "--dry-run", "--json")
+    systems = [
+        [each["system"] for each in json.loads(mav(*words, *choice).out)["vehicles"]]
+        for choice in (("--all",), ("--system", 2), ("--systems", "2,1"))
+    ]
+    assert systems == [[1, 2], [2], [2, 1]]
+
+
 def test_a_search_of_one_vehicle_is_a_mission(mav, tmp_path):
     out = tmp_path / "search.plan"
     result = mav("mission", "search", "sector", "--center", "47.3977,8.5456", "--out", out)
@@ -97,6 +107,7 @@ def test_a_search_of_one_vehicle_is_a_mission(mav, tmp_path):
         ((*CORNERS[:2], "--dry-run"), 1, "there must be 3 to 1000 corners"),
         ((*CORNERS, "--spacing", "0", "--dry-run"), 1, "spacing must be"),
         ((*CORNERS, "--count", 2), 2, "add --dry-run or --out FILE"),
+        ((*CORNERS, "--count", 2, "--all", "--dry-run"), 2, "--count cannot be used"),
     ],
 )
 def test_wrong_usage_is_refused(mav, words, code, text):

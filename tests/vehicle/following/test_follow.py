@@ -8,6 +8,7 @@ from math import cos, hypot, radians, sin
 import numpy as np
 import pytest
 
+from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ActionRefused, ActionUnsupported, InvalidArgumentError
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.vehicle_types import VehicleType
@@ -158,6 +159,19 @@ def test_what_cannot_be_followed_is_refused_and_nothing_is_changed():
         assert (await rover.params.get("FOLL_ENABLE")).value == 0
 
     fly([LEADER, (VehicleType.PLANE, ARDUPILOT), ROVER], scenario)
+
+
+@pytest.mark.parametrize(("before", "after"), [(2.0, 5.0), (10.0, 10.0)])
+def test_the_leaders_positions_never_come_less_often_than_before(before, after):
+    async def scenario(world, follower):
+        leader = await world.node.wait_for_vehicle(2)
+        await leader.set_message_rate(common.GlobalPositionInt, before)
+        await follower.arm()
+        await follower.follow(leader, level="radio", duration=1.0)
+        interval = await leader.component.get_message_interval(common.GlobalPositionInt)
+        assert interval.rate == pytest.approx(after)
+
+    fly([ROVER, ROVER], scenario)
 
 
 def test_a_firmware_without_the_mode_is_named():

@@ -75,9 +75,9 @@ class PerfectFleet:
             member.follow(place, velocity)
 
 
-def run(scenario, options=None, kind=PerfectMember):
+def run(scenario, options=None, kind=PerfectMember, starts=STARTS):
     async def whole():
-        fleet = PerfectFleet(kind(index + 1, place) for index, place in enumerate(STARTS))
+        fleet = PerfectFleet(kind(index + 1, place) for index, place in enumerate(starts))
         members, options_ = fleet.members, options or SwarmOptions(Margins(latency=0.0))
         controller = SwarmController(fleet, options_)
         loop = asyncio.create_task(controller.run())

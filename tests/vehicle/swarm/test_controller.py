@@ -10,6 +10,7 @@ import pytest
 
 from mavstack.errors import ActionInterrupted, SwarmStopped
 from mavstack.swarm.courses import Following
+from mavstack.swarm.formations import Formation
 from mavstack.swarm.leader import LeaderFrame
 from mavstack.swarm.separation import Margins
 from mavstack.swarm.transitions import straight_transition
@@ -193,6 +194,26 @@ def test_members_that_do_not_arrive_are_named():
         assert stopped.value.systems == (2,)
 
     run(scenario)
+
+
+@pytest.mark.parametrize(("close_gaps", "slots"), [(True, [0, 1, 2]), (False, [0, 1, 3])])
+@pytest.mark.parametrize("leaders", [0, 1])
+def test_the_slot_of_a_lost_member_is_closed_up_or_stays_empty(close_gaps, slots, leaders):
+    shape = Formation("column", spacing=10.0)
+
+    async def scenario(controller, members):
+        members[2].error = ActionInterrupted("following", "3/1", answer="it changed to LAND")
+        await asyncio.sleep(0.2)
+        found = controller.offsets(shape, controller.active, leaders=leaders)
+        assert found == pytest.approx(shape.offsets(leaders + 4)[leaders:][slots])
+        members[0].error = members[2].error
+        await asyncio.sleep(0.2)
+        found = controller.offsets(shape, controller.active, leaders=leaders)
+        rest = [0, 1] if close_gaps else [0, 3]
+        assert found == pytest.approx(shape.offsets(leaders + 4)[leaders:][rest]), "the next one leads"
+
+    starts = np.arange(4.0)[:, None] * (20.0, 0.0, 0.0) + (0.0, 0.0, 20.0)
+    run(scenario, SwarmOptions(Margins(latency=0.0), close_gaps=close_gaps), starts=starts)
 
 
 def test_a_cancelled_call_leaves_the_members_where_they_are():

@@ -13,6 +13,7 @@ from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import finite_number
 from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.selection import selects_several
 from mavstack.cli.mission.files import save
 from mavstack.dialects import common
 from mavstack.files.plans import Home, PlanFile
@@ -82,7 +83,7 @@ def add_plan_options(action: ArgumentParser) -> None:
     add(
         "--dry-run",
         action="store_true",
-        help="show the plans and upload nothing; without --url and --count for one vehicle",
+        help="show the plans and upload nothing; without --url, --count and a choice of vehicles for one",
     )
     add("--start", action="store_true", help="arm the vehicles, and start the missions")
 
@@ -97,11 +98,17 @@ def run_plan(arguments: Namespace, make: MakePlan, select: SelectVehicles, *, nu
         numbered: True: the file of a single vehicle has its number too.
     """
     planned_only = arguments.dry_run or arguments.out is not None
+    chosen = arguments.system is not None or selects_several(arguments)
     if arguments.count is not None and not planned_only:
         raise UsageError("--count plans without vehicles: add --dry-run or --out FILE")
+    if arguments.count is not None and chosen:
+        raise UsageError(
+            "--count cannot be used with --system, --systems or --all: it plans without vehicles"
+        )
     if arguments.start and planned_only:
         raise UsageError("--start uploads the missions: it cannot be used with --dry-run or --out")
-    if planned_only and (arguments.count or not (arguments.url or os.environ.get("MAVSTACK_URL"))):
+    named = chosen or arguments.url or os.environ.get("MAVSTACK_URL")
+    if planned_only and (arguments.count or not named):
         count = arguments.count or 1
         plan = make([None] * count)
         return _finish(arguments, plan, range(1, count + 1), numbered=numbered)

@@ -10,13 +10,22 @@ from __future__ import annotations
 
 import asyncio
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.dialects import common
-from mavstack.errors import ActionInterrupted, ContactLost, GroupError, RemoteError, SwarmStopped
+from mavstack.errors import (
+    ActionInterrupted,
+    CommandDenied,
+    ContactLost,
+    GroupError,
+    MessageTimeout,
+    RemoteError,
+    SwarmStopped,
+)
 from mavstack.geodesy import LocalFrame
 from mavstack.node.messaging import send
 from mavstack.services.arguments import check_numbers
@@ -37,6 +46,8 @@ _OPERATION: Final = "following with"
 #: Timeout in seconds of holding the followers at the end, if one of them does not answer.
 _HOLD_TIMEOUT: Final = 5.0
 _CHECK_INTERVAL: Final = 0.2
+#: Timeout in seconds of the request for the rate of the leader's positions.
+_INTERVAL_TIMEOUT: Final = 3.0
 #: Rate in hertz at which followers report their positions.
 _FOLLOWER_RATE: Final = 2.0
 #: The age in seconds above which a follower's position is not compared with its place.
@@ -48,7 +59,8 @@ class FollowOptions:
     """How vehicles follow by radio.
 
     Attributes:
-        rate: Positions of the leader per second; firmwares follow unevenly below 4.
+        rate: At least this many positions of the leader per second; firmwares follow unevenly below 4. The
+            leader keeps sending them at the end.
         relay: True: this program sends the leader's motion to the followers. False: they receive the leader
             itself, as on a radio network; only ArduPilot can follow then, unless the leader sends
             FOLLOW_TARGET.
@@ -111,7 +123,7 @@ class _RadioFlight:
 
     async def prepare(self) -> None:
         """Learn where all vehicles are, and check the settings; nothing is changed but rates of messages."""
-        await self._leader.set_message_rate(common.GlobalPositionInt, self._options.rate)
+        await self._request_leader_positions()
         here = await self._leader.wait_for_message(common.GlobalPositionInt)
         self._frame = LocalFrame(here.lat / 1e7, here.lon / 1e7, 0.0)
         on_surface = all(vehicle.vehicle_type in SURFACE for vehicle in self._places)
@@ -237,6 +249,20 @@ class _RadioFlight:
     def _leader_age(self) -> float:
         age = self._leader.age(common.GlobalPositionInt)
         return math.inf if age is None else age
+
+    async def _request_leader_positions(self) -> None:
+        """Let the leader send positions as often as followers need them.
+
+        A leader that sends more keeps its rate, since another program may need it.
+        """
+        leader = self._leader
+        with suppress(CommandDenied, MessageTimeout):  # not every firmware reports its rates
+            now = await leader.component.get_message_interval(
+                common.GlobalPositionInt, timeout=_INTERVAL_TIMEOUT
+            )
+            if now.rate >= self._options.rate:
+                return
+        await leader.set_message_rate(common.GlobalPositionInt, self._options.rate)
 
     async def _request_position(self, vehicle: Vehicle) -> None:
         if (vehicle.age(common.GlobalPositionInt) or math.inf) > 1.0 / _FOLLOWER_RATE:

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from mavstack.swarm.arrays import Indices, Points
     from mavstack.swarm.courses import Course
+    from mavstack.swarm.formations import Formation
     from mavstack.swarm.steering import Steering
     from mavstack.vehicle.swarm.fleet import Fleet, Readings
     from mavstack.vehicle.swarm.member import Member
@@ -71,7 +72,8 @@ class SwarmOptions:
         limits: Speeds and accelerations.
         guard: Limits that stop the swarm.
         avoid: True: members avoid each other in flight too.
-        close_gaps: True: the slot of a lost member is taken by the next one at the next formation.
+        close_gaps: True: the next formation has no slot for a lost member. False: the slot stays empty, apart
+            from the leader's.
     """
 
     margins: Margins = field(default_factory=Margins)
@@ -129,6 +131,26 @@ class SwarmController:
     def places(self) -> Points:
         """Return the positions of the active members, in metres north, east, up."""
         return self._fleet.read().positions[self._rows_of(self.active)]
+
+    def offsets(self, formation: Formation, members: Sequence[Member], leaders: int = 0) -> Points:
+        """Return the slots of members in a formation, without those of lost members or with gaps for them.
+
+        Args:
+            formation: The formation.
+            members: The members that fly it, which are active.
+            leaders: The number of its first slots that belong to vehicles which are not members.
+
+        Returns:
+            Metres forward, right, up; an array of shape (members, 3).
+
+        Raises:
+            InvalidArgumentError: The formation has another number of slots.
+        """
+        slots = self.roster.slots
+        count = len(slots) if self.options.close_gaps else len(self.members)
+        taken = [leaders + slots[each.system] for each in members]
+        found: Points = formation.offsets(leaders + count)[taken]
+        return found
 
     async def run(self) -> None:
         """Run until the task is cancelled; a call that waits for a course then ends in `SwarmStopped`."""

@@ -28,6 +28,7 @@ from mavstack.services.arguments import check_numbers
 from mavstack.swarm.courses import Following, Turn
 from mavstack.swarm.formations import Formation, default_spacing, rotate_to_course
 from mavstack.swarm.leader import LeaderFrame, turn_rate_for
+from mavstack.swarm.separation import import_libraries
 from mavstack.swarm.shows.check import ShowLimits
 from mavstack.swarm.shows.show import ShowCourse, placed
 from mavstack.swarm.transitions import Transition, plan_transition, straight_transition
@@ -69,6 +70,7 @@ class Swarm(ReadOnly):
         self._origin: LocalFrame | None = None
 
     async def __aenter__(self) -> Self:
+        import_libraries()
         await self._call("requesting positions of", self._request_positions)
         members = [Member(vehicle) for vehicle in self._vehicles]
         try:
@@ -156,7 +158,7 @@ class Swarm(ReadOnly):
         """
         check_numbers(course=course, altitude=altitude)
         members, starts = self._present()
-        offsets = self._shape(formation, spacing, options).offsets(len(members))
+        offsets = self._running.offsets(self._shape(formation, spacing, options), members)
         direction = self._course if course is None else course
         centre = starts[0] if altitude is None else np.array((starts[0, 0], starts[0, 1], altitude))
         slots = centre + rotate_to_course(offsets, direction)
@@ -194,12 +196,11 @@ class Swarm(ReadOnly):
         """
         check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
         members, places = self._present()
-        leader, here = members[0], places[0]
         north, east, _ = self._frame().to_local(latitude, longitude, 0.0)
-        position = leader.vehicle.position
+        position = members[0].vehicle.position
         now = None if position is None else position.relative_altitude
         climb = 0.0 if altitude is None or now is None else altitude - now
-        await self.move(north - float(here[0]), east - float(here[1]), climb)
+        await self.move(north - float(places[0, 0]), east - float(places[0, 1]), climb)
 
     async def rotate(self, degrees: float) -> None:
         """Turn the whole formation around its leader.
@@ -244,7 +245,7 @@ class Swarm(ReadOnly):
             )
         await self._request_positions(leader)
         target, (members, places) = Member(leader), self._present()
-        offsets = self._shape(formation, spacing, options).offsets(len(members) + 1)[1:]
+        offsets = self._running.offsets(self._shape(formation, spacing, options), members, leaders=1)
         speed, link_age = self._options.limits.speed, self._options.guard.link_age
         motion = LeaderFrame(self._course, turn_rate_for(offsets, speed / 2.0, speed))
         measure(target, motion, self._frame())
@@ -284,8 +285,7 @@ class Swarm(ReadOnly):
         """
         check_numbers(orientation=orientation)
         members, starts = self._present()
-        options = self._options
-        limits = ShowLimits(options.margins.planned_distance, options.limits, math.inf, math.inf)
+        limits = ShowLimits(self._options.margins.planned_distance, self._options.limits, math.inf, math.inf)
         await asyncio.to_thread(check_show_of, show, len(members), limits)
         first, last = show.airborne(LOWEST_SLOT)
         slots = placed(show.positions(first), orientation)
