@@ -225,3 +225,36 @@ def test_serial_ports_of_a_flight_controller_outlast_a_power_cycle(world, tmp_pa
         rates = BAUD_RATES if firmware == "betaflight" else INAV_BAUD_RATES
         assert rates[port.telemetry_baud] == 57600
         page.context.close()
+
+
+#: Parameters that are in RAM alone until they are saved, with values that are not their defaults.
+UNSAVED = {"betaflight": ("BF_PID_ROLL_P", 71), "inav": ("INAV_MAN_EXPO", 71)}
+
+
+def restart(page, target: BackgroundFlightController) -> None:
+    """Take away the power of a flight controller for a moment, and show the page anew."""
+    boots = target.controller.boots
+    target.call(target.controller.power_cycle)
+    wait_until(page, lambda: target.controller.boots > boots)
+    page.reload()
+
+
+@pytest.mark.parametrize("firmware", UNSAVED)
+@pytest.mark.flight_cases(1)
+def test_a_parameter_of_a_flight_controller_outlasts_a_power_cycle_once_saved(
+    world, tmp_path, firmware
+) -> None:
+    target, (_, _, new_page) = BackgroundFlightController(firmware), world
+    name, value = UNSAVED[firmware]
+    with target, web_station(tmp_path, target.url) as url:
+        page = new_page(f"{url}#/setup")
+        set_parameter(page, name, value)
+        playwright.expect(page.get_by_text("1 parameter is not yet saved")).to_be_visible()
+        restart(page, target)
+        playwright.expect(find_parameter(page, name)).not_to_have_value(str(value))
+        set_parameter(page, name, value)
+        page.get_by_role("button", name="Save", exact=True).click()
+        playwright.expect(page.get_by_text("not yet saved")).to_have_count(0)
+        restart(page, target)
+        playwright.expect(find_parameter(page, name)).to_have_value(str(value))
+        page.context.close()
