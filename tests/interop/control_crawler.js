@@ -1,10 +1,12 @@
 // Functions of a page under test: the next control to use, and the effects of the last one.
 (() => {
   const SELECTOR = 'button, input, select, textarea, a[href], summary, [role=option], [role=slider]'
-  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop)\b/i
+  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan)\b/i
   const MAX_ATTEMPTS = 2
   const LONG_LIST = 12
-  const MAX_ROUNDS = 4
+  const MAX_ROUNDS = 6
+  const MAX_TURNS = 12
+  const FRAME = 150
   const text = each => (each?.textContent ?? '').trim().replace(/\s+/g, ' ')
   const nameOf = each => {
     const ids = each.getAttribute('aria-labelledby')
@@ -25,14 +27,16 @@
     (each.getBoundingClientRect().width > 0 || each.closest('label'))
   const isEnabled = each => !each.matches(':disabled') && each.getAttribute('aria-disabled') !== 'true'
   const isOpener = each => each.matches('[role=tab], [aria-expanded], nav *, summary')
+  const isOpen = each => each.getAttribute('aria-expanded') === 'true' || (each.localName === 'summary' && each.parentElement.open)
   // A click on what is already chosen changes nothing.
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
-  const rank = each => LAST.test(nameOf(each)) ? 3 : isOpener(each) ? 2 : each.matches('button, a') ? 1 : 0
+  // A control that is used again comes after the new ones of its kind, which it may remove.
+  const rank = each => (LAST.test(nameOf(each)) ? 6 : isOpener(each) ? 4 : each.matches('button, a') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
-  const attempts = new Map(), problems = new Map(), openedBy = new Map(), again = new Set()
-  let round = 0, usedBefore = -1, last = null
-  let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0
+  const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set()
+  let round = 0, usedBefore = -1, isStuck = false, last = null
+  let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0, requests = 0, shown = new Set()
 
   const effect = () => { if (isArmed) effects += 1 }
   const watch = (owner, name) => {
@@ -46,6 +50,18 @@
     [URL, ['createObjectURL']], [HTMLElement.prototype, ['click', 'focus', 'scrollIntoView']],
     [Element.prototype, ['requestFullscreen']], [navigator.clipboard, ['writeText']], [navigator.serial, ['requestPort']],
   ]) for (const name of names) watch(owner, name)
+  // Controls that a request brings belong to the action that made it.
+  const { fetch: watched, setTimeout: later, clearTimeout: cancel, requestAnimationFrame: draw } = window
+  window.fetch = function (...values) {
+    requests += 1
+    return watched.apply(this, values).finally(() => { requests -= 1 })
+  }
+  // Instruments that are drawn sixty times a second cost more than all actions.
+  window.requestAnimationFrame = callback => later(() => callback(performance.now()), FRAME)
+  window.cancelAnimationFrame = cancel
+  const settle = async () => {
+    for (let turn = 0; turn < MAX_TURNS && (turn === 0 || requests > 0); turn += 1) await new Promise(done => draw(() => later(done, 10)))
+  }
   addEventListener('hashchange', effect)
   new MutationObserver(records => { if (isArmed) effects += records.length }).observe(document, {
     attributes: true, characterData: true, childList: true, subtree: true,
@@ -122,14 +138,20 @@
     return TEXTS.has(each.type) && setValue(each, each.value || '1')
   }
   const unused = () => [...enabled].filter(key => !used.has(key) && !problems.has(key) && !excluded.test(key))
-  // What another control disabled, or took away, may be there again; what opened it is used once more.
+  // What another control disabled, or removed, may be there again; what opened or removed it is used once more.
   const idle = () => [...seen].filter(key => !enabled.has(key) && !used.has(key) && !excluded.test(key))
   const nextRound = () => {
-    if (unused().length + idle().length === 0 || round === MAX_ROUNDS || used.size === usedBefore) return null
+    isStuck = used.size === usedBefore ? !isStuck : false
+    if (unused().length + idle().length === 0 || round === MAX_ROUNDS || (used.size === usedBefore && !isStuck)) return null
     round += 1
     usedBefore = used.size
     reopened.clear()
     for (let key of unused()) {
+      // Where an opener does not bring a control back, the one that removed it may: a list with several modes.
+      if (isStuck && removedBy.has(key)) {
+        again.add(removedBy.get(key))
+        attempts.delete(removedBy.get(key))
+      }
       for (let depth = 0; depth < 4 && openedBy.has(key); depth += 1) {
         key = openedBy.get(key)
         again.add(key)
@@ -152,6 +174,7 @@
   }
   window.crawler = {
     begin: (view, pattern) => { root = view; excluded = pattern === '' ? /(?!)/ : new RegExp(pattern); reopened.clear() },
+    settle,
     held: () => { if (current !== null) { used.add(current.key); effects += 1 } },
     // Ends the last action, and chooses the next control; null: all are used.
     next: () => {
@@ -169,10 +192,13 @@
         if (isEnabled(each)) enabled.add(key)
         if (nameOf(each) === '') nameless.add(`${keyOf(each)} ${each.outerHTML.slice(0, 80)}`)
       }
+      const before = shown
+      shown = new Set(controls.map(keyOf))
+      for (const key of before) if (!shown.has(key) && last !== null && last !== key) removedBy.set(key, last)
       const wanted = controls.filter(isWanted)
       if (wanted.length > 0) return choose(wanted.reduce((best, each) => rank(each) < rank(best) ? each : best))
       if (isDialog) return { action: 'escape', key: 'dialog' }
-      const opener = controls.find(each => isOpener(each) && isEnabled(each) && !isChosen(each) && !excluded.test(keyOf(each)) && !reopened.has(keyOf(each)))
+      const opener = controls.find(each => isOpener(each) && isEnabled(each) && !isChosen(each) && !isOpen(each) && !excluded.test(keyOf(each)) && !reopened.has(keyOf(each)))
       if (opener === undefined) return nextRound()
       reopened.add(keyOf(opener))
       return choose(opener)

@@ -19,9 +19,10 @@ ROUND_PAUSE: Final = 1500
 MAX_ACTIONS: Final = 500
 #: Number of attempts to close a dialog.
 MAX_ESCAPES: Final = 3
-#: The functions of the page, and the wait until a page has drawn what changed.
+#: The functions of the page, and the wait until a page has its answers and has drawn what changed.
 _SCRIPT: Final = Path(__file__).with_suffix(".js").read_text("utf-8")
-_DRAWN: Final = "new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
+_DRAWN: Final = "crawler.settle()"
+_IS_HELD: Final = "crawler.settle().then(() => document.querySelector('.guarded.held') !== null)"
 
 
 @dataclass
@@ -35,6 +36,7 @@ class Report:
         problems: Those that were covered or dead, with the reason.
         unused: Those that were enabled and not used.
         idle: Those that were never enabled.
+        actions: The actions in their order.
     """
 
     seen: list[str] = field(default_factory=list)
@@ -43,6 +45,7 @@ class Report:
     problems: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
     idle: list[str] = field(default_factory=list)
+    actions: list[str] = field(default_factory=list)
 
     @property
     def faults(self) -> list[str]:
@@ -81,15 +84,16 @@ def crawl(
     page.locator(root).first.wait_for()
     page.locator(ready).first.wait_for()
     page.evaluate("([view, pattern]) => crawler.begin(view, pattern)", [root, excluded])
-    is_complete = _use_controls(page, url, actions)
-    report = Report(**page.evaluate("crawler.report()"))
+    done: list[str] = []
+    is_complete = _use_controls(page, url, actions, done)
+    report = Report(**page.evaluate("crawler.report()"), actions=done)
     if not is_complete:
         report.unused.clear()
     return report
 
 
-def _use_controls(page: Any, url: str, actions: int) -> bool:
-    """Use one control after the other; False: some are left."""
+def _use_controls(page: Any, url: str, actions: int, done: list[str]) -> bool:
+    """Use one control after the other, and note each action; False: some are left."""
     escapes = 0
     for _ in range(actions):
         control = page.evaluate("crawler.next()")
@@ -97,6 +101,7 @@ def _use_controls(page: Any, url: str, actions: int) -> bool:
             return True
         escapes = escapes + 1 if control["action"] == "escape" else 0
         assert escapes <= MAX_ESCAPES, f"a dialog does not close: {page.url}"
+        done.append(f"{control['action']} {control['key']}")
         _act(page, control)
         page.evaluate(_DRAWN)
         if not page.url.startswith(url):
@@ -118,13 +123,12 @@ def _act(page: Any, control: dict[str, Any]) -> None:
 
 
 def _hold(page: Any, control: dict[str, Any]) -> None:
-    """Hold a guarded button until it acts."""
-    held = page.locator(".guarded.held")
+    """Hold a guarded button until it acts; the vehicle may disable the button at this moment."""
     page.mouse.move(control["x"], control["y"])
     page.mouse.down()
     try:
-        held.wait_for(timeout=HOLD_TIMEOUT)
-        held.wait_for(state="detached", timeout=HOLD_TIMEOUT)
-        page.evaluate("crawler.held()")
+        if page.evaluate(_IS_HELD):
+            page.locator(".guarded.held").wait_for(state="detached", timeout=HOLD_TIMEOUT)
+            page.evaluate("crawler.held()")
     finally:
         page.mouse.up()

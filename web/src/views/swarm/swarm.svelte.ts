@@ -19,7 +19,8 @@ export interface SwarmState {
   readonly separation_m: number | null;
   readonly nearest_pair: readonly [number, number] | null;
   readonly smallest_separation_m: number | null;
-  readonly limit_m: number;
+  /** Null without a swarm. */
+  readonly limit_m: number | null;
   readonly members: readonly { readonly system: number; readonly follows: boolean }[];
 }
 

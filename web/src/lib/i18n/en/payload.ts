@@ -16,7 +16,7 @@ export const payload = {
   baselineValue: '{length} away, {rate} Hz, {count, one: # satellite, other: # satellites}',
   remoteId: 'Remote ID',
   remoteIdReady: 'permits arming',
-  remoteIdRefuses: 'does not permit arming',
+  remoteIdRefuses: 'not ready: arming may be refused',
   systems: 'Systems',
   systemsOverdue: '{count, one: # silent, other: # silent}',
   numbered: '{title} {number}',
