@@ -232,7 +232,7 @@ UNSAVED = {"betaflight": ("BF_PID_ROLL_P", 71), "inav": ("INAV_MAN_EXPO", 71)}
 
 
 def restart(page, target: BackgroundFlightController) -> None:
-    """Take away the power of a flight controller for a moment, and show the page anew."""
+    """Take away the power of a flight controller for a moment, and load the page again."""
     boots = target.controller.boots
     target.call(target.controller.power_cycle)
     wait_until(page, lambda: target.controller.boots > boots)
