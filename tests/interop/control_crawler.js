@@ -128,7 +128,9 @@
   const fill = each => {
     if (each.matches('select')) {
       const options = [...each.options].filter(option => !option.disabled)
-      const next = options[(options.indexOf(each.selectedOptions[0]) + 1) % options.length]
+      // The second use goes back, since a choice may have removed other controls.
+      const step = used.has(keyOf(each)) ? -1 : 1
+      const next = options.at((options.indexOf(each.selectedOptions[0]) + step) % options.length)
       return setValue(each, next?.value ?? '')
     }
     if (!each.matches('input, textarea') || each.type === 'file') return false

@@ -22,7 +22,7 @@ MAX_ESCAPES: Final = 3
 #: The functions of the page, and the wait until a page has its answers and has drawn what changed.
 _SCRIPT: Final = Path(__file__).with_suffix(".js").read_text("utf-8")
 _DRAWN: Final = "crawler.settle()"
-_IS_HELD: Final = "crawler.settle().then(() => document.querySelector('.guarded.held') !== null)"
+_IS_HELD: Final = "document.querySelector('.guarded.held') !== null"
 
 
 @dataclass
