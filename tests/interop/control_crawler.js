@@ -195,7 +195,7 @@
         if (nameOf(each) === '') nameless.add(`${keyOf(each)} ${each.outerHTML.slice(0, 80)}`)
       }
       const before = shown
-      shown = new Set(controls.map(keyOf))
+      shown = new Set(controls.filter(isEnabled).map(keyOf))
       for (const key of before) if (!shown.has(key) && last !== null && last !== key) removedBy.set(key, last)
       const wanted = controls.filter(isWanted)
       if (wanted.length > 0) return choose(wanted.reduce((best, each) => rank(each) < rank(best) ? each : best))
