@@ -44,20 +44,25 @@
     if (typeof original !== 'function') return
     owner[name] = function (...values) { effect(); return original.apply(this, values) }
   }
+  // The crawler's own waits are no effects.
+  const { setTimeout: later, clearTimeout: cancel, requestAnimationFrame: draw } = window
   for (const [owner, names] of [
-    [window, ['fetch', 'open', 'requestAnimationFrame', 'setTimeout']], [WebSocket.prototype, ['send']],
+    [window, ['fetch', 'open', 'setTimeout']], [WebSocket.prototype, ['send']],
     [XMLHttpRequest.prototype, ['send']], [Worker.prototype, ['postMessage']], [Storage.prototype, ['setItem', 'removeItem']],
     [URL, ['createObjectURL']], [HTMLElement.prototype, ['click', 'focus', 'scrollIntoView']],
     [Element.prototype, ['requestFullscreen']], [navigator.clipboard, ['writeText']], [navigator.serial, ['requestPort']],
   ]) for (const name of names) watch(owner, name)
   // Controls that a request brings belong to the action that made it.
-  const { fetch: watched, setTimeout: later, clearTimeout: cancel, requestAnimationFrame: draw } = window
+  const watched = window.fetch
   window.fetch = function (...values) {
     requests += 1
     return watched.apply(this, values).finally(() => { requests -= 1 })
   }
   // Instruments that are drawn sixty times a second cost more than all actions.
-  window.requestAnimationFrame = callback => later(() => callback(performance.now()), FRAME)
+  window.requestAnimationFrame = callback => {
+    effect()
+    return later(() => callback(performance.now()), FRAME)
+  }
   window.cancelAnimationFrame = cancel
   const settle = async () => {
     for (let turn = 0; turn < MAX_TURNS && (turn === 0 || requests > 0); turn += 1) await new Promise(done => draw(() => later(done, 10)))
