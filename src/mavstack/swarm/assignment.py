@@ -91,26 +91,34 @@ def _reduced(costs: Points) -> Points:
     if rows != columns or rows < _SMALLEST_REDUCED or not (0.0 < largest < np.inf and costs.min() >= 0.0):
         return costs
     single, row_prices, column_prices = costs.astype(np.float32), np.zeros(rows), np.zeros(columns)
+    kernel = np.empty_like(single)
     for part in _SINKHORN_STAGES:
         unit = largest / _SINKHORN_RANGE / part
-        across, down = _scales(single, row_prices, column_prices, unit)
+        prices = row_prices.astype(np.float32), column_prices.astype(np.float32)
+        np.subtract(prices[0][:, None], single, out=kernel)
+        kernel += prices[1]
+        across, down = _scales(kernel, unit)
         row_prices += unit * np.log(across.astype(float))
         column_prices += unit * np.log(down.astype(float))
-    reduced: Points = costs - row_prices[:, None] - column_prices
-    return reduced if np.isfinite(reduced).all() else costs
+    if not (np.isfinite(row_prices).all() and np.isfinite(column_prices).all()):
+        return costs
+    reduced: Points = costs - row_prices[:, None]
+    reduced -= column_prices
+    return reduced
 
 
-def _scales(
-    costs: Singles, row_prices: Points, column_prices: Points, unit: float
-) -> tuple[Singles, Singles]:
-    """Return the scales of rows and columns after one stage of Sinkhorn's iteration."""
-    kernel = row_prices.astype(np.float32)[:, None] - costs
-    kernel += column_prices.astype(np.float32)
+def _scales(kernel: Singles, unit: float) -> tuple[Singles, Singles]:
+    """Return the scales of rows and columns after one stage of Sinkhorn's iteration.
+
+    Args:
+        kernel: The prices minus the costs; used up.
+        unit: The unit of the stage.
+    """
     kernel *= np.float32(1.0 / unit)
     np.maximum(kernel, -_SINKHORN_RANGE, out=kernel)
     np.exp(kernel, out=kernel)
-    across: Singles = np.ones(len(row_prices), np.float32)
-    down: Singles = np.ones(len(column_prices), np.float32)
+    across: Singles = np.ones(len(kernel), np.float32)
+    down: Singles = np.ones(kernel.shape[1], np.float32)
     for _ in range(_SINKHORN_STEPS):
         np.divide(1.0, kernel @ down, out=across)
         np.divide(1.0, across @ kernel, out=down)
@@ -121,9 +129,12 @@ def squared_distances(starts: Points, goals: Points) -> Points:
     """Return the squared distance of each start and goal, an array of shape (starts, goals)."""
     centre = np.mean(starts, axis=0) if len(starts) else 0.0
     begin, end = np.asarray(starts, dtype=float) - centre, np.asarray(goals, dtype=float) - centre
-    squares = (begin * begin).sum(axis=1)[:, None] + (end * end).sum(axis=1)[None] - 2.0 * (begin @ end.T)
-    nonnegative: Points = np.maximum(squares, 0.0)
-    return nonnegative
+    # In one array: each further one of a million numbers costs more than the arithmetic.
+    squares: Points = begin @ (-2.0 * end).T
+    squares += (begin * begin).sum(axis=1)[:, None]
+    squares += (end * end).sum(axis=1)
+    np.maximum(squares, 0.0, out=squares)
+    return squares
 
 
 def auction_tasks(starts: Points, tasks: Points, speeds: Sequence[float] | None = None) -> list[list[int]]:
