@@ -34,6 +34,7 @@ from mavstack.vehicle.swarm.launch import take_off
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from mavstack.links.memory import MemoryLink
     from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.vehicle.swarm import Swarm
 
@@ -77,36 +78,47 @@ class Figures:
 
 
 class Meter:
-    """Processor time within functions, the outermost call counts."""
+    """Processor time within functions, the outermost call counts.
 
-    def __init__(self) -> None:
+    Args:
+        excluded: The time of this other meter within a call does not count.
+    """
+
+    def __init__(self, excluded: Meter | None = None) -> None:
         self.seconds = 0.0
         self._depth = 0
+        self._excluded = excluded
 
     def of(self, work: Callable[..., Any]) -> Callable[..., Any]:
         """Return a function whose time is counted."""
 
         def measured(*arguments: Any) -> Any:  # noqa: ANN401 (those of the function)
-            begin, self._depth = time.process_time(), self._depth + 1
+            begin, self._depth = self._now(), self._depth + 1
             try:
                 return work(*arguments)
             finally:
                 self._depth -= 1
                 if not self._depth:
-                    self.seconds += time.process_time() - begin
+                    self.seconds += self._now() - begin
 
         return measured
+
+    def _now(self) -> float:
+        return time.process_time() - (self._excluded.seconds if self._excluded is not None else 0.0)
 
 
 class Totals:
     """Processor time of simulator and controller, and bytes on all networks."""
 
     def __init__(self) -> None:
-        self.simulator, self.controller = Meter(), Meter()
+        self.simulator = Meter()
+        self.controller = Meter(self.simulator)
         self.sent = self.received = 0
 
-    def watch(self, runner: Runner) -> None:
-        """Measure a simulation."""
+    def watch(self, runner: Runner, link: MemoryLink) -> None:
+        """Measure a simulation, and what its link does with the packets that it receives."""
+        inbox: Any = link.inbox
+        inbox.put = self.simulator.of(inbox.put)
         simulation: Any = runner.simulation
         watched: Any = runner
         for vehicle in simulation.vehicles:
@@ -176,8 +188,9 @@ async def _start(stack: AsyncExitStack, totals: Totals, count: int) -> Swarm:
     """Let vehicles take off, and return their swarm."""
     network, simulation = MemoryNetwork(), _simulation(count)
     runner = await stack.enter_async_context(Runner(simulation))
-    totals.watch(runner)
-    await runner.connect(network.link(), simulation.vehicles)
+    link = network.link()
+    totals.watch(runner, link)
+    await runner.connect(link, simulation.vehicles)
     runner.start()
     connection = await stack.enter_async_context(connect(network.link()))
     group = await connection.wait_for_vehicles(count, timeout=60.0)
