@@ -4462,20 +4462,23 @@ class Vehicle:
         RemoteCancelled: The connection was closed.
     """
 
-    def takeoff(self, altitude: float=10.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+    def takeoff(self, altitude: float=10.0, *, tolerance: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
         """Take off to an altitude and stay there; the vehicle must be armed.
 
     It ends when a vehicle that hovers has settled within half a metre of the altitude.
 
     Args:
         altitude: Metres above home.
+        tolerance: Metres from the altitude within which a vehicle that hovers has settled, or by which a
+            plane may be below it; None: as above, or a larger distance for a plane.
         override_limits: Send an altitude above the limit of plausible flights.
         wait: Wait until the altitude is reached and kept.
         timeout: Seconds for the whole call; None sets no overall limit.
 
     Raises:
         InvalidTypeError: An argument is not a number.
-        InvalidArgumentError: The altitude is not positive, or implausibly high.
+        InvalidArgumentError: The altitude is not positive, or implausibly high; or the tolerance is not
+            positive.
         ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
             (ArduPilot); nothing was sent.
         RemoteError: An error that all actions share; see `Vehicle`.

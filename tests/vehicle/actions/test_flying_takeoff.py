@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from mavstack.errors import ActionTimeout
+from mavstack.errors import ActionTimeout, InvalidArgumentError
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.failures.scripted_autopilot import PX4 as SCRIPTED_PX4
 from tests.vehicle.failures.scripted_autopilot import run_scenario
@@ -35,10 +35,10 @@ async def rise(harness, *heights, interval=0.25):
         await asyncio.sleep(interval)
 
 
-async def takeoff(harness, altitude):
+async def takeoff(harness, altitude, tolerance=None):
     harness.autopilot.altitude = 0.0
     await asyncio.sleep(1)
-    rising = asyncio.create_task(harness.vehicle.takeoff(altitude))
+    rising = asyncio.create_task(harness.vehicle.takeoff(altitude, tolerance=tolerance))
     await asyncio.sleep(4)
     return rising
 
@@ -75,5 +75,33 @@ def test_one_that_stays_far_below_it_fails():
         await rise(harness, 3.5)
         with pytest.raises(ActionTimeout, match=r"1\.5 m to go"):
             await asyncio.wait_for(rising, 60)
+
+    run_scenario(scenario, autopilot=SCRIPTED_PX4)
+
+
+def test_a_tolerance_that_was_asked_for_decides():
+    async def scenario(harness):
+        rising = await takeoff(harness, 5, tolerance=1.0)
+        await rise(harness, 3.0, 4.2, interval=2.0)
+        assert rising.done()
+        await rising
+
+    run_scenario(scenario, autopilot=SCRIPTED_PX4)
+
+
+def test_one_that_settles_outside_a_small_tolerance_fails():
+    async def scenario(harness):
+        rising = await takeoff(harness, 5, tolerance=0.2)
+        await rise(harness, 4.7)
+        with pytest.raises(ActionTimeout, match=r"0\.3 m to go"):
+            await asyncio.wait_for(rising, 60)
+
+    run_scenario(scenario, autopilot=SCRIPTED_PX4)
+
+
+def test_a_tolerance_of_nothing_is_refused_before_anything_is_sent():
+    async def scenario(harness):
+        with pytest.raises(InvalidArgumentError, match="tolerance must be positive"):
+            await harness.vehicle.takeoff(5, tolerance=0.0)
 
     run_scenario(scenario, autopilot=SCRIPTED_PX4)

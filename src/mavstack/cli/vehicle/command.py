@@ -146,6 +146,7 @@ def _add_takeoff(actions: Actions) -> None:
         metavar="ALTITUDE",
         help="metres above home (default: 10)",
     )
+    add_tolerance(action)
     add_override(action)
 
 
@@ -195,7 +196,8 @@ def takeoff(arguments: Namespace) -> int:
     altitude = arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.takeoff(altitude, override_limits=arguments.override_limits, **_wait_options(arguments))
+        options = {"tolerance": arguments.tolerance, "override_limits": arguments.override_limits}
+        await vehicle.takeoff(altitude, **options, **_wait_options(arguments))
         height = height_above_home(vehicle)
         reached = f"took off to {altitude:g} m" if height is None else f"{height:.1f} m above home"
         return _outcome(arguments, reached, f"taking off to {altitude:g} m")

@@ -63,6 +63,7 @@ class Takeoff(Action):
     """Take off."""
 
     altitude: Annotated[float, Meta(description="Metres above home.", examples=[15.0])] = 10.0
+    tolerance: Tolerance = None
     override_limits: OverrideLimits = False
 
     async def run(self, vehicle: Vehicle, wait: bool) -> None:  # noqa: D102

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from mavstack.vehicle.action_monitor import ActionGoal
+from mavstack.vehicle.actions.arrival import check_tolerance
 from mavstack.vehicle.actions.conditions import Settled
 from mavstack.vehicle.actions.limits import check_takeoff
 from mavstack.vehicle.actions.preconditions import check_preconditions, refusal
@@ -34,6 +35,7 @@ async def takeoff(
     vehicle: Vehicle,
     altitude: float = 10.0,
     *,
+    tolerance: float | None = None,
     override_limits: bool = False,
     wait: bool = True,
     timeout: float | None = None,
@@ -44,18 +46,22 @@ async def takeoff(
 
     Args:
         altitude: Metres above home.
+        tolerance: Metres from the altitude within which a vehicle that hovers has settled, or by which a
+            plane may be below it; None: as above, or a larger distance for a plane.
         override_limits: Send an altitude above the limit of plausible flights.
         wait: Wait until the altitude is reached and kept.
         timeout: Seconds for the whole call; None sets no overall limit.
 
     Raises:
         InvalidTypeError: An argument is not a number.
-        InvalidArgumentError: The altitude is not positive, or implausibly high.
+        InvalidArgumentError: The altitude is not positive, or implausibly high; or the tolerance is not
+            positive.
         ActionRefused: The vehicle is not armed, or it flies and its firmware does not take off then
             (ArduPilot); nothing was sent.
         RemoteError: An error that all actions share; see `Vehicle`.
     """
     check_takeoff(altitude, override_limits=override_limits)
+    check_tolerance(tolerance)
     operation = f"takeoff to {altitude:g} m of"
     check_preconditions(vehicle, "takeoff", operation)
     await detect_quadplane(vehicle)
@@ -65,7 +71,8 @@ async def takeoff(
     wing = vehicle.vehicle_type is VehicleType.PLANE
     # ArduPlane ends its climb some metres below the altitude, which it counts from the start position, not
     # from home.
-    tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
+    usual = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
+    near_limit, rest_limit = (tolerance or TAKEOFF_TOLERANCE), (tolerance or usual)
     near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
     at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
 
@@ -81,9 +88,9 @@ async def takeoff(
         if vehicle.in_air is False:
             return False
         if wing or rest is None:
-            return rest is not None and rest <= tolerance
-        settled = near.update(height if rest <= TAKEOFF_TOLERANCE else None)
-        return at_rest.update(height if rest <= tolerance else None) or settled
+            return rest is not None and rest <= rest_limit
+        settled = near.update(height if rest <= near_limit else None)
+        return at_rest.update(height if rest <= rest_limit else None) or settled
 
     goal = ActionGoal(reached, remaining, modes=firmware.modes_of("takeoff"), armed=True)
     request = firmware.takeoff(altitude)
