@@ -68,32 +68,42 @@ async def takeoff(
     firmware = firmware_of(vehicle)
     if reason := await firmware.reason_against_takeoff(altitude):
         raise refusal(vehicle, operation, reason)
-    wing = vehicle.vehicle_type is VehicleType.PLANE
-    # ArduPlane ends its climb some metres below the altitude, which it counts from the start position, not
-    # from home.
-    usual = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
-    near_limit, rest_limit = (tolerance or TAKEOFF_TOLERANCE), (tolerance or usual)
-    near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
-    at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
-
-    def remaining() -> float | None:
-        height = relative_altitude_of(vehicle)
-        if height is None:
-            return None
-        return max(altitude - height, 0.0) if wing else abs(altitude - height)
-
-    def reached() -> bool:
-        rest, height = remaining(), relative_altitude_of(vehicle)
-        # its altitude may be wrong: ArduPlane reports it above the sea until it knows home
-        if vehicle.in_air is False:
-            return False
-        if wing or rest is None:
-            return rest is not None and rest <= rest_limit
-        settled = near.update(height if rest <= near_limit else None)
-        return at_rest.update(height if rest <= rest_limit else None) or settled
-
-    goal = ActionGoal(reached, remaining, modes=firmware.modes_of("takeoff"), armed=True)
+    climb = _Climb(vehicle, altitude, tolerance)
+    goal = ActionGoal(climb.reached, climb.remaining, modes=firmware.modes_of("takeoff"), armed=True)
     request = firmware.takeoff(altitude)
     await run_action(
         vehicle, operation, request, lambda: goal, changes=firmware.changes, wait=wait, timeout=timeout
     )
+
+
+class _Climb:
+    """The climb to the altitude of a takeoff."""
+
+    def __init__(self, vehicle: Vehicle, altitude: float, tolerance: float | None) -> None:
+        self._vehicle, self._altitude = vehicle, altitude
+        self._on_wing = vehicle.vehicle_type is VehicleType.PLANE
+        # ArduPlane ends its climb some metres below the altitude, which it counts from the start position, not
+        # from home.
+        usual = max(3.0, altitude / 16) if self._on_wing else max(1.0, altitude / 20)
+        self._near_limit, self._rest_limit = tolerance or TAKEOFF_TOLERANCE, tolerance or usual
+        self._near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
+        self._at_rest = Settled(vehicle, TAKEOFF_RESTING_TIME, TAKEOFF_SETTLING_SPAN)
+
+    def remaining(self) -> float | None:
+        """Return the metres to go; None if the height is not known."""
+        height = relative_altitude_of(self._vehicle)
+        if height is None:
+            return None
+        below = self._altitude - height
+        return max(below, 0.0) if self._on_wing else abs(below)
+
+    def reached(self) -> bool:
+        """Return whether the vehicle has settled at the altitude; a wing: whether it is high enough."""
+        rest, height = self.remaining(), relative_altitude_of(self._vehicle)
+        # its altitude may be wrong: ArduPlane reports it above the sea until it knows home
+        if self._vehicle.in_air is False:
+            return False
+        if self._on_wing or rest is None:
+            return rest is not None and rest <= self._rest_limit
+        settled = self._near.update(height if rest <= self._near_limit else None)
+        return self._at_rest.update(height if rest <= self._rest_limit else None) or settled
