@@ -82,8 +82,8 @@ class _Climb:
     def __init__(self, vehicle: Vehicle, altitude: float, tolerance: float | None) -> None:
         self._vehicle, self._altitude = vehicle, altitude
         self._on_wing = vehicle.vehicle_type is VehicleType.PLANE
-        # ArduPlane ends its climb some metres below the altitude, which it counts from the start position, not
-        # from home.
+        # ArduPlane ends its climb some metres below the altitude, which it counts from the start
+        # position, not from home.
         usual = max(3.0, altitude / 16) if self._on_wing else max(1.0, altitude / 20)
         self._near_limit, self._rest_limit = tolerance or TAKEOFF_TOLERANCE, tolerance or usual
         self._near = Settled(vehicle, TAKEOFF_SETTLING_TIME, TAKEOFF_SETTLING_SPAN)
