@@ -45,10 +45,11 @@ _HEALTH_RATES: Final[tuple[tuple[type[Message], float], ...]] = (
     (common.BatteryStatus, 0.5),
 )
 _ESTIMATOR_RATE = 1.0
-#: The time in which an estimator must report, in seconds; without a report only the pre-arm bit counts. An
-#: ArduPilot that boots on a busy machine sent its first report after five seconds; one that is armed before
-#: refuses every mode that needs a position.
-_ESTIMATOR_TIMEOUT = 12.0
+#: The time in which an estimator must report, in seconds; without a report the pre-arm bit counts.
+_ESTIMATOR_TIMEOUT = 4.0
+#: The same for a vehicle without that bit: ArduRover 4.1 that booted on a busy machine sent its first report
+#: after five seconds; one that is armed before refuses every mode that needs a position.
+_ESTIMATOR_BOOT_TIME = 12.0
 #: The time in which a radio control receiver must appear, in seconds.
 _RADIO_TIMEOUT = 5.0
 _EKF: Final = ardupilotmega.EkfStatusFlags
@@ -147,7 +148,8 @@ class _Readiness:
         """Return whether the vehicle is ready to arm."""
         health = self._vehicle.health
         trouble_free = self._trouble_free.update(self._is_trouble_free(health))
-        return bool(health.ready or trouble_free) and self._position_known()
+        timeout = _ESTIMATOR_TIMEOUT if health.ready else _ESTIMATOR_BOOT_TIME
+        return bool(health.ready or trouble_free) and self._position_known(timeout)
 
     def _is_trouble_free(self, health: Health) -> bool:
         """Return whether a vehicle that does not report its checks reports no decisive problem."""
@@ -155,9 +157,9 @@ class _Readiness:
         troubled = any(problem.source in self._decisive for problem in health.problems)
         return reports and self._vehicle.alive and health.ready is None and not troubled
 
-    def _position_known(self) -> bool:
+    def _position_known(self, timeout: float) -> bool:
         estimated = _is_estimated(self._vehicle) if self._needs_position else True
-        late = self._vehicle.connection.now() >= self._began + _ESTIMATOR_TIMEOUT
+        late = self._vehicle.connection.now() >= self._began + timeout
         return late if estimated is None else estimated
 
 
