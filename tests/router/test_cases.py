@@ -96,6 +96,7 @@ def running_engine(case, ends):
             peer = ends.sockets[letter].getsockname()
             numbers[letter] = engine.add_udp(ends.routers[letter].fileno(), name=letter, peer=peer)
             engine.set_group(numbers[letter], (case.groups or {}).get(letter))
+        engine.statistics()  # it is answered when all links exist; the first may be read before
 
         def wait_until_routed(letter):
             counts[letter] += 1
