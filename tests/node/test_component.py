@@ -54,6 +54,20 @@ def test_parameters() -> None:
     with_pair(work)
 
 
+def test_a_message_leaves_at_the_end_of_the_turn_or_at_once() -> None:
+    async def work(pair: VehiclePair) -> None:
+        sent: list[bytes] = []
+        pair.remote._host.sent_listeners.append(sent.append)
+        pair.remote.send(common.Attitude())
+        assert sent == []
+        await asyncio.sleep(0.001)
+        assert len(sent) == 1
+        pair.remote.send(common.Attitude(), at_once=True)
+        assert len(sent) == 2
+
+    with_pair(work)
+
+
 def test_logs() -> None:
     async def work(pair: VehiclePair) -> None:
         listed = await pair.remote.logs.list()
