@@ -21,7 +21,7 @@ WRITER = AnswerWriter([(b"content-type", b"text/plain")])
 
 
 def test_an_ordinary_request_is_read() -> None:
-    request = read_request(bytearray(HEAD))
+    request = read_request(HEAD)
     assert request is not None
     assert request.path == "/x?a=1"
     assert request.headers == {"host": "localhost:8080", "connection": "Keep-Alive", "x-empty": ""}

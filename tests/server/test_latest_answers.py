@@ -69,6 +69,8 @@ def test_sessions_that_may_act_get_early_answers_observers_do_not() -> None:
         assert [each is not None for each in answers] == [False, False, False, True, True]
         body = answers[-1].partition(b"\r\n\r\n")[2]
         assert json.loads(body)["message"] == "HEARTBEAT"
+        access.log_out(session)
+        assert answer(EarlyRequest(PATH, {**HOST, **found[-1]})) is None
 
     serve(COPTER, scenario)
 

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from mavstack.dialects import Dialect, common
 from mavstack.server import latest_messages
 from mavstack.server.latest_messages import LatestMessages
+from mavstack.server.message_json import latest_json
 from mavstack.wire import Encoder, Packet
 
 DIALECT = Dialect.load("common")
@@ -42,3 +45,14 @@ def test_the_number_of_messages_is_bounded(monkeypatch) -> None:
     kept = [each.packet.component for each in latest.of_system(1)]
     assert len(kept) <= 8
     assert 29 in kept
+
+
+def test_the_text_of_a_message_is_that_of_its_latest_packet() -> None:
+    latest = LatestMessages()
+    shown = []
+    for roll in (0.5, 0.25):
+        latest.store(packet(message=common.Attitude(roll=roll)), 100 + roll)
+        found = latest.find(1, 30)
+        shown += [json.loads(latest_json(found, 101)) for _ in range(2)]
+    assert [each["fields"]["roll"] for each in shown] == [0.5, 0.5, 0.25, 0.25]
+    assert [each["count"] for each in shown] == [1, 1, 2, 2]

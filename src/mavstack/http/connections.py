@@ -207,6 +207,8 @@ class Connection(asyncio.Protocol):
     def _collect_head(self, data: bytes) -> None:
         """Keep the bytes of a request until its head is complete and its turn has come."""
         looked = len(self._head)
+        if not looked and self._answer_early(data):
+            return
         self._head += data
         if not looked:
             self._head = self._head.lstrip(b"\r\n")
@@ -214,7 +216,7 @@ class Connection(asyncio.Protocol):
             return
         self._awaits_head = not has_whole_head(self._head, looked)
         self._watch_request()
-        if not self._awaits_head and self._answer_early():
+        if looked and not self._awaits_head and self._answer_early(bytes(self._head)):
             self._head = bytearray()
             return
         if not self._awaits_head and self._transport is not None:
@@ -222,12 +224,12 @@ class Connection(asyncio.Protocol):
             self._transport.pause_reading()
             self._connections.begin(self._head, self._begin_request)
 
-    def _answer_early(self) -> bool:
+    def _answer_early(self, data: bytes) -> bool:
         """Answer a request by its head alone, if that is possible; not while the client reads slowly."""
         answer_early, transport = self._connections.answer_early, self._transport
         if answer_early is None or transport is None or transport.get_write_buffer_size():
             return False
-        request = read_request(self._head)
+        request = read_request(data)
         if request is None:
             return False
         token = _current.set(self)
@@ -235,10 +237,13 @@ class Connection(asyncio.Protocol):
             answer = answer_early(request)
         finally:
             _current.reset(token)
-        if answer is not None:
-            transport.write(answer)
-            self._idle.begin(transport)
-        return answer is not None
+        if answer is None:
+            return False
+        self._awaits_head = False
+        self._watch_request()
+        transport.write(answer)
+        self._idle.begin(transport)
+        return True
 
     def _begin_request(self) -> None:
         """Hand the request over to the server."""

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import re
 from email.utils import formatdate
+from functools import lru_cache
 from time import time
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
     from typing import TypeAlias
 
 _HEAD: Final = re.compile(rb"GET (/[!-~]*) HTTP/1\.1\r\n((?:[A-Za-z0-9-]+:[\t -~]*\r\n)*)\r\n")
@@ -23,20 +25,23 @@ _FIELD: Final = re.compile(rb"([^:]+):[\t ]*([^\r]*?)[\t ]*\r\n")
 _UNUSUAL: Final = frozenset(
     {"origin", "expect", "content-length", "transfer-encoding", "upgrade", "range", "te", "trailer"}
 )
+#: Number of heads whose reading is remembered: a client that asks again sends the same one.
+_REMEMBERED: Final = 64
 
 
 class EarlyRequest(NamedTuple):
     """An ordinary GET request: its path with the query, and its fields by names in lower case."""
 
     path: str
-    headers: dict[str, str]
+    headers: Mapping[str, str]
 
 
 #: Returns the bytes of the answer, or None if the application answers the request.
 EarlyAnswer: TypeAlias = "Callable[[EarlyRequest], bytes | None]"
 
 
-def read_request(data: bytes | bytearray) -> EarlyRequest | None:
+@lru_cache(_REMEMBERED)
+def read_request(data: bytes) -> EarlyRequest | None:
     """Return a request that consists of these bytes, if it is an ordinary one."""
     found = _HEAD.fullmatch(data)
     if found is None:
@@ -49,7 +54,7 @@ def read_request(data: bytes | bytearray) -> EarlyRequest | None:
         and not (_UNUSUAL & headers.keys())
         and headers.get("connection", "keep-alive").lower() == "keep-alive"
     )
-    return EarlyRequest(found[1].decode(), headers) if is_ordinary else None
+    return EarlyRequest(found[1].decode(), MappingProxyType(headers)) if is_ordinary else None
 
 
 class AnswerWriter:

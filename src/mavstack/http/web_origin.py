@@ -7,6 +7,7 @@ loopback (DNS rebinding), and `Origin` must be that of the server's own pages.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from ipaddress import ip_address
 from typing import Final
 from urllib.parse import urlsplit
@@ -14,6 +15,7 @@ from urllib.parse import urlsplit
 _LOCAL_NAMES: Final = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
+@lru_cache(64)
 def host_of(header: str) -> str:
     """Return the host name of a `Host` header in lower case, without port and brackets; empty if invalid."""
     try:

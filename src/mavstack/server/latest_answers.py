@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from mavstack.server.station import Station
 
 _PATH: Final = re.compile(r"/api/vehicles/([1-9][0-9]{0,2})/messages/([A-Za-z0-9_]{1,60})")
-#: Maximum number of message names whose ids are cached.
-_MAX_NAMES: Final = 1024
+_BEGIN: Final = "/api/vehicles/"
+#: Maximum number of paths that are remembered.
+_MAX_PLACES: Final = 1024
 
 
 class LatestAnswers:
@@ -43,32 +44,37 @@ class LatestAnswers:
         self._access = access
         own = ((b"cache-control", b"no-store"), (b"content-type", b"application/json"))
         self._writer = AnswerWriter((*own, *fields))
-        self._ids: dict[str, int] = {}
+        self._places: dict[str, tuple[int, int]] = {}
 
     def answer(self, request: EarlyRequest) -> bytes | None:
         """Return the answer; None: the application answers."""
-        found = _PATH.fullmatch(request.path)
-        if found is None:
+        if not request.path.startswith(_BEGIN):
             return None
         try:
             client = self._access.check_headers(request.headers, cookie_of(request.headers.get("cookie", "")))
             if client.role is Role.OBSERVE:
                 return None
+            place = self._places.get(request.path) or self._find_place(request.path)
+            if place is None:
+                return None
             mark_client(client.proof, client.holder)
-            return self._latest(int(found[1]), found[2])
+            return self._latest(*place)
         except (RefusedError, MavstackError):
             return None
 
-    def _latest(self, system: int, name: str) -> bytes | None:
-        latest = self._station.packets.latest.find(system, self._id_of(name))
+    def _latest(self, system: int, message_id: int) -> bytes | None:
+        latest = self._station.packets.latest.find(system, message_id)
         if latest is None or system not in self._station.connection.vehicles:
             return None
         return self._writer.write(latest_json(latest, self._station.connection.now()).encode())
 
-    def _id_of(self, name: str) -> int:
-        found = self._ids.get(name)
+    def _find_place(self, path: str) -> tuple[int, int] | None:
+        """Return the system and the message id of a path, and remember them."""
+        found = _PATH.fullmatch(path)
         if found is None:
-            found = int(message_class(self._station.connection.dialect, name).__mavlink_row__[0])
-            if len(self._ids) < _MAX_NAMES:
-                self._ids[name] = found
-        return found
+            return None
+        kind = message_class(self._station.connection.dialect, found[2])
+        place = int(found[1]), int(kind.__mavlink_row__[0])
+        if len(self._places) < _MAX_PLACES:
+            self._places[path] = place
+        return place

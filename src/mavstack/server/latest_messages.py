@@ -20,7 +20,7 @@ _MISSED_INTERVALS: Final = 5.0
 class LatestMessage:
     """The latest packet of one message from one component."""
 
-    __slots__ = ("count", "interval", "packet", "time")
+    __slots__ = ("count", "interval", "packet", "text", "time")
 
     def __init__(self, packet: Packet, time: float) -> None:
         self.packet = packet
@@ -29,12 +29,14 @@ class LatestMessage:
         self.count = 1
         #: The average interval in seconds; 0 before the second packet.
         self.interval = 0.0
+        #: The packet as JSON, after the first request for it; empty before.
+        self.text = ""
 
     def update(self, packet: Packet, time: float) -> None:
         """Store the next packet."""
         interval = max(time - self.time, 0.0)
         self.interval += (interval - self.interval) * _WEIGHT if self.count > 1 else interval
-        self.packet, self.time = packet, time
+        self.packet, self.time, self.text = packet, time, ""
         self.count += 1
 
     def rate(self, now: float) -> float:

@@ -46,8 +46,9 @@ def packet_json(packet: Packet, time: float, *, ascii: bool = True) -> str:  # n
 
 def latest_json(latest: LatestMessage, now: float) -> str:
     """Return a latest message as JSON with its count and its rate in hertz."""
-    packet = packet_json(latest.packet, latest.time, ascii=False)
-    return f'{packet[:-1]},"count":{latest.count},"rate":{round(latest.rate(now), 3)!r}}}'
+    if not latest.text:
+        latest.text = packet_json(latest.packet, latest.time, ascii=False)
+    return f'{latest.text[:-1]},"count":{latest.count},"rate":{round(latest.rate(now), 3)!r}}}'
 
 
 def message_class(dialect: HasCoreDialect, name: str) -> type[Message]:
