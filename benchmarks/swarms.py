@@ -63,7 +63,10 @@ def measure_steps(turns: int) -> dict[str, list[float]]:
 
 
 def measure_assignments(turns: int) -> list[float]:
-    """Return the seconds of each assignment of a grid to a wedge; those of a line to a column take longer."""
+    """Return the seconds of each assignment of a grid to a wedge.
+
+    Neither is a line, whose assignment is a sort; of other formations some take less and some twice as long.
+    """
     starts, slots = Formation("grid").offsets(COUNT), Formation("wedge").offsets(COUNT)
     return take_turns({OURS: _timed(lambda: assign_slots(starts, slots))}, turns)[OURS]
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linear_sum_assignment
 
 from mavstack.errors import InvalidArgumentError
 from mavstack.swarm.assignment import assign_slots, auction_tasks, squared_distances
-from mavstack.swarm.formations import Formation
+from mavstack.swarm.formations import FORMATIONS, Formation
 
 
 @given(st.integers(0, 10**6), st.integers(1, 6))
@@ -25,6 +26,43 @@ def test_no_other_assignment_has_a_smaller_sum_of_squared_distances(seed, count)
     )
     assert sorted(chosen) == list(range(count))
     assert costs[np.arange(count), chosen].sum() == pytest.approx(best)
+
+
+@given(
+    st.integers(0, 10**6),
+    st.integers(1, 40),
+    st.sampled_from(sorted(set(FORMATIONS) - {"points", "text"})),
+    st.sampled_from(["line", "column", "echelon", "places"]),
+    st.booleans(),
+)
+def test_vehicles_on_a_line_and_slots_on_a_line_have_the_optimum_of_scipy(seed, count, shape, line, back):
+    random = np.random.default_rng(seed)
+    slots = Formation(line if line != "places" else "line").offsets(count)
+    if line == "places":
+        slots *= random.integers(0, 3, (count, 1))
+    starts = random.permutation(Formation(shape).offsets(count)) + random.uniform(-500.0, 500.0, 3)
+    if random.integers(2):
+        starts += random.normal(0.0, 0.5, starts.shape)
+    if back:
+        starts, slots = slots, starts
+    chosen = assign_slots(starts, slots)
+    costs = squared_distances(starts, slots)
+    assert sorted(chosen) == list(range(count))
+    assert costs[np.arange(count), chosen].sum() == pytest.approx(
+        costs[linear_sum_assignment(costs)].sum(), rel=1e-9
+    )
+
+
+def test_members_at_the_same_place_along_a_line_keep_their_order():
+    line, column = Formation("line").offsets(9), Formation("column").offsets(9)
+    assert assign_slots(line, column).tolist() == list(range(9))
+
+
+def test_unknown_positions_are_not_sorted():
+    starts = Formation("wedge").offsets(4)
+    starts[2, 1] = np.nan
+    with pytest.raises(ValueError, match="invalid numeric entries"):
+        assign_slots(starts, Formation("column").offsets(4))
 
 
 @pytest.mark.parametrize("shape", ["random", "grids", "line", "wedge", "equal"])

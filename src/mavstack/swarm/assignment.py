@@ -35,6 +35,8 @@ _SINKHORN_RANGE: Final = 70.0
 _SINKHORN_STEPS: Final = 12
 #: The unit of each stage is the unit of the first stage divided by this number.
 _SINKHORN_STAGES: Final = (1.0, 6.0, 36.0)
+#: Points are on one line if they are no further from it than this part of its length.
+_LINE_TOLERANCE: Final = 1e-9
 
 
 def assign_slots(starts: Points, slots: Points) -> Indices:
@@ -55,7 +57,44 @@ def assign_slots(starts: Points, slots: Points) -> Indices:
         raise InvalidArgumentError(
             f"there must be a slot for each vehicle, got {len(slots)} for {len(starts)}"
         )
+    if len(slots) == len(starts) and np.isfinite(starts).all() and np.isfinite(slots).all():
+        for line in (slots, starts):
+            direction = _common_direction(line)
+            if direction is not None:
+                return _sorted_along(direction, starts, slots)
     return optimal_assignment(squared_distances(starts, slots))
+
+
+def _common_direction(points: Points) -> Points | None:
+    """Return the direction of the line on which all points are, from the first one; None: on none."""
+    apart = points - points[:1]
+    lengths = np.linalg.norm(apart, axis=1)
+    longest = float(lengths.max(initial=0.0))
+    if longest == 0.0:
+        return np.zeros(3)
+    direction: Points = apart[lengths.argmax()] / longest
+    beside = apart - np.outer(apart @ direction, direction)
+    return direction if np.abs(beside).max() <= _LINE_TOLERANCE * longest else None
+
+
+def _sorted_along(direction: Points, starts: Points, slots: Points) -> Indices:
+    """Return the slot of each vehicle if all starts or all slots are on a line in this direction.
+
+    The sum of the squared distances is a constant minus twice the sum of the products of start and slot. Of
+    points beside the line, these products contain the places along it alone, and such a sum is largest if
+    both are in the same order. The solver is slowest for these formations, since many sums are equal.
+    """
+    chosen = np.empty(len(starts), np.int64)
+    chosen[_order_along(direction, starts)] = _order_along(direction, slots)
+    return chosen
+
+
+def _order_along(direction: Points, points: Points) -> Indices:
+    """Return the indices of points in their order along a direction, those at the same place as they are."""
+    places = (points - np.mean(points, axis=0)) @ direction
+    unit = _LINE_TOLERANCE * max(float(np.abs(places).max(initial=0.0)), 1.0)
+    order: Indices = np.argsort(np.rint(places / unit), kind="stable")
+    return order
 
 
 def optimal_assignment(costs: Points) -> Indices:
@@ -71,8 +110,12 @@ def optimal_assignment(costs: Points) -> Indices:
         from scipy.optimize import linear_sum_assignment
     except ImportError as error:
         raise MissingExtraError("swarms need scipy", "swarm") from error
-    _, columns = linear_sum_assignment(_reduced(costs))
-    chosen: Indices = np.asarray(columns, dtype=np.int64)
+    # Vehicles of a formation are in the order of their ranks; the solver is faster if neighbours are not one
+    # after the other, since each one then finds a free slot nearby.
+    order = np.random.default_rng(0).permutation(len(costs))
+    _, columns = linear_sum_assignment(_reduced(costs)[order])
+    chosen = np.empty(len(costs), np.int64)
+    chosen[order] = columns
     return chosen
 
 

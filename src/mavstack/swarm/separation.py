@@ -149,7 +149,8 @@ def near_pairs(points: Points, limit: float, members: int | None = None) -> tupl
 def import_libraries() -> None:
     """Import the parts of scipy that swarms need, which take a second at their first use.
 
-    A program calls it before its vehicles need setpoints: half a second without one ends PX4's offboard mode.
+    A program calls it before its vehicles need setpoints, in a thread: half a second without a setpoint ends
+    PX4's offboard mode, also of vehicles that other parts of the program fly.
 
     Raises:
         MissingExtraError: scipy is not installed.

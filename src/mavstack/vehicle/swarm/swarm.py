@@ -70,7 +70,7 @@ class Swarm(ReadOnly):
         self._origin: LocalFrame | None = None
 
     async def __aenter__(self) -> Self:
-        import_libraries()
+        await asyncio.to_thread(import_libraries)
         await self._call("requesting positions of", self._request_positions)
         members = [Member(vehicle) for vehicle in self._vehicles]
         try:
