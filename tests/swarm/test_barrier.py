@@ -5,13 +5,13 @@ from __future__ import annotations
 from mavstack.swarm.barrier import Barrier, BarrierState
 
 
-def test_a_barrier_opens_when_all_arrived_or_left():
+def test_a_barrier_opens_when_all_arrived():
     barrier = Barrier([3, 1, 2], timeout=10.0, now=0.0)
     barrier.arrive(1)
     barrier.arrive(7)
     assert barrier.state(1.0) is BarrierState.WAITING
     assert barrier.missing == (2, 3)
-    barrier.leave(2)
+    barrier.arrive(2)
     barrier.arrive(3)
     assert barrier.state(99.0) is BarrierState.OPEN
 

@@ -15,6 +15,7 @@ from mavstack.links import Impairment, MemoryNetwork, impair
 from mavstack.node import Node
 from mavstack.security import SigningKey
 from mavstack.sim.virtual import run_virtually
+from mavstack.swarm.barrier import Barrier, BarrierState
 from mavstack.swarm.consensus import Neighbour, steer
 from mavstack.swarm.exchange import NEIGHBOUR_TIMEOUT, Exchange, Intent, swarm_dialect
 from mavstack.swarm.formations import Formation
@@ -44,6 +45,22 @@ def test_an_intent_counts_down():
     found = mine.intents(12.0)[2]
     assert (found.arrival, found.phase) == (10.0, 4)
     assert found.place == pytest.approx([1.0, 2.0, 3.0], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("phase", "arrival", "passed"),
+    [(4, 0.0, True), (4, 0.01, False), (4, 1.0, False), (3, 0.0, False), (5, 9.0, True), (131, 9.0, True)],
+)
+def test_a_phase_is_over_for_a_member_that_reported_its_arrival_or_is_in_a_later_one(phase, arrival, passed):
+    mine, its, barrier = Exchange(FRAME, 1), Exchange(FRAME, 2), Barrier([2], timeout=None, now=0.0)
+    assert mine.receive(2, its.intent_message(Intent(np.zeros(3), arrival, phase), 0), 10.0)
+    mine.report_arrivals(barrier, 4, 12.0)
+    assert barrier.state(12.0) is (BarrierState.OPEN if passed else BarrierState.WAITING)
+
+
+def test_the_phase_after_the_last_number_is_later():
+    assert Intent(np.zeros(3), 9.0, 0).has_passed(255)
+    assert not Intent(np.zeros(3), 0.0, 255).has_passed(0)
 
 
 def test_own_messages_and_those_of_other_swarms_are_ignored():
@@ -85,6 +102,58 @@ async def member(network, index, slots, track, keys, conditions):
             await asyncio.sleep(STEP)
         track[index] = place, len(exchange.neighbours(node.now()))
         reading.cancel()
+
+
+async def phases(network, index, ways, log, conditions):
+    """A companion computer whose vehicle flies ways of some seconds, with a barrier after each."""
+    exchange, system = Exchange(FRAME, index + 1), index + 1
+    link = impair(network.link(), Impairment(**conditions))
+    async with (
+        Node(link, dialect=swarm_dialect(), system=system) as node,
+        node.packets(queue=200) as packets,
+    ):
+        reading = asyncio.create_task(read(packets, exchange, node))
+        for phase, seconds in enumerate(ways[index]):
+            begin = node.now()
+            log.append((begin, "begins", phase, system))
+            barrier = Barrier(range(1, len(ways) + 1), timeout=30.0, now=begin)
+            while barrier.state(node.now()) is BarrierState.WAITING:
+                left = max(seconds - (node.now() - begin), 0.0)
+                if not left and system in barrier.missing:
+                    log.append((node.now(), "ends", phase, system))
+                    barrier.arrive(system)
+                node.send(exchange.intent_message(Intent(np.zeros(3), left, phase), 0))
+                exchange.report_arrivals(barrier, phase, node.now())
+                await asyncio.sleep(STEP)
+            log.append((node.now(), str(barrier.state(node.now())), phase, *barrier.missing))
+        reading.cancel()
+
+
+def flown_in_phases(ways, **conditions):
+    async def scenario():
+        network, log = MemoryNetwork(), []
+        async with asyncio.TaskGroup() as group:
+            for index in range(len(ways)):
+                group.create_task(phases(network, index, ways, log, conditions))
+        return log
+
+    return run_virtually(scenario())
+
+
+def test_no_member_begins_a_phase_before_all_have_ended_the_one_before():
+    log = flown_in_phases([(2.0, 9.0, 1.0), (8.0, 1.0, 2.0), (5.0, 3.0, 6.0)], loss=0.2, latency=0.2)
+    for phase in (1, 2):
+        ends = [time for time, event, number, *_ in log if event == "ends" and number == phase - 1]
+        begins = [time for time, event, number, *_ in log if event == "begins" and number == phase]
+        assert len(ends) == len(begins) == 3
+        assert max(ends) < min(begins)
+        assert max(begins) < max(ends) + 2.0
+
+
+def test_a_member_that_does_not_arrive_breaks_the_barrier_of_the_others():
+    log = flown_in_phases([(2.0,), (3.0,), (60.0,)])
+    broken = [(phase, *missing) for _, event, phase, *missing in log if event == "broken"]
+    assert broken[:2] == [(0, 3), (0, 3)]
 
 
 async def read(packets, exchange, node):

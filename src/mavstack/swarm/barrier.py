@@ -1,8 +1,13 @@
-"""Barriers: a phase begins when every member is ready for it, or when waiting for the late ones has no point.
+"""Barriers: a phase begins when every member has arrived in the one before.
 
-barrier = Barrier(members, timeout=30.0, now=now)
-barrier.arrive(system)                   # a member is ready
-barrier.state(now)                       # WAITING, OPEN, or BROKEN after the timeout
+    barrier = Barrier(members, timeout=30.0, now=now)
+    exchange.report_arrivals(barrier, phase=1, now=now)      # SWARM_INTENT of the other members
+    barrier.arrive(own_system)
+    barrier.state(now)                                       # WAITING, OPEN, or BROKEN after the timeout
+
+Each member has a barrier for each phase, and decides by its own one: no program has to know all members. A
+member that is lost may still be on its way, so the others wait for it until the timeout; then the barrier is
+broken, `missing` names it, and the program decides on the next phase.
 """
 
 from __future__ import annotations
@@ -42,10 +47,6 @@ class Barrier:
 
     def arrive(self, member: int) -> None:
         """Note that a member is ready; a member that is not part of the barrier is ignored."""
-        self._missing.discard(member)
-
-    def leave(self, member: int) -> None:
-        """Wait for a member no more: it was lost."""
         self._missing.discard(member)
 
     def state(self, now: float) -> BarrierState:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.geodesy import LocalFrame
     from mavstack.swarm.arrays import Points
+    from mavstack.swarm.barrier import Barrier
 
 #: Seconds after the last message until a member is no longer a neighbour, and for which its position is
 #: extrapolated.
@@ -42,6 +43,10 @@ NEIGHBOUR_TIMEOUT: Final = 3.0
 MAX_EXTRAPOLATION: Final = 1.0
 #: Maximum number of members in the table: the number of system ids of a network.
 MAX_MEMBERS: Final = 255
+#: The number of phases that SWARM_INTENT can distinguish.
+_PHASES: Final = 256
+#: The arrival in seconds of a member that should have arrived, and has not reported it.
+_EARLIEST_ARRIVAL: Final = 0.1
 _MAX_16: Final = 32_767
 _STATE: Final = "SWARM_STATE"
 _INTENT: Final = "SWARM_INTENT"
@@ -53,13 +58,18 @@ class Intent:
 
     Attributes:
         place: Metres north, east, up of the frame.
-        arrival: Seconds until the arrival.
-        phase: Number of the phase.
+        arrival: Seconds until the arrival, 0 after it.
+        phase: Number of the phase, 0 to 255.
     """
 
     place: Points
     arrival: float
     phase: int
+
+    def has_passed(self, phase: int) -> bool:
+        """Return whether a phase is over for the member; the number of the phase after 255 is 0."""
+        later = (self.phase - phase) % _PHASES
+        return self.arrival == 0.0 if not later else later < _PHASES / 2
 
 
 def swarm_dialect() -> Dialect:
@@ -113,7 +123,7 @@ class Exchange:
             lat=latitude,
             lon=longitude,
             alt=altitude,
-            arrival=round(min(max(10.0 * intent.arrival, 0.0), 65_535.0)),
+            arrival=math.ceil(min(max(10.0 * intent.arrival, 0.0), 65_535.0)),
             phase=intent.phase,
             swarm=self._swarm,
         )
@@ -166,10 +176,27 @@ class Exchange:
     def intents(self, now: float) -> Mapping[int, Intent]:
         """Return the next places of the members that are received, by system id."""
         return {
-            system: Intent(intent.place, max(intent.arrival - (now - at), 0.0), intent.phase)
+            # A member that did not report its arrival yet may be late.
+            system: Intent(
+                intent.place,
+                max(intent.arrival - (now - at), _EARLIEST_ARRIVAL) if intent.arrival else 0.0,
+                intent.phase,
+            )
             for system, (intent, at) in self._intents.items()
             if now - at <= NEIGHBOUR_TIMEOUT
         }
+
+    def report_arrivals(self, barrier: Barrier, phase: int, now: float) -> None:
+        """Let the members arrive at a barrier that reported the end of a phase, or are in a later one.
+
+        Args:
+            barrier: The barrier at the end of the phase.
+            phase: Number of the phase.
+            now: Seconds.
+        """
+        for system, intent in self.intents(now).items():
+            if intent.has_passed(phase):
+                barrier.arrive(system)
 
     def _class(self, name: str) -> Callable[..., Message]:
         return self._dialect[name]
