@@ -71,7 +71,7 @@ class Swarm(ReadOnly):
 
     async def __aenter__(self) -> Self:
         await asyncio.to_thread(import_libraries)
-        await self._call("requesting positions of", self._request_positions)
+        await self._call("requesting positions", self._request_positions)
         members = [Member(vehicle) for vehicle in self._vehicles]
         try:
             await asyncio.gather(*(member.enter() for member in members))
