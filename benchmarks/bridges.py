@@ -182,8 +182,10 @@ def _zenoh_subscriber(
         config.insert_json5("mode", '"client"')
         config.insert_json5("connect/endpoints", json.dumps([endpoint]))
         with zenoh.open(config) as session:
-            drop = zenoh.CongestionControl.DROP
-            publisher = session.declare_publisher("bench/imu", congestion_control=drop)
+            drop, remote = zenoh.CongestionControl.DROP, zenoh.Locality.REMOTE
+            publisher = session.declare_publisher(
+                "bench/imu", congestion_control=drop, allowed_destination=remote
+            )
             gid = bytes(16)
             turn: list[Callable[[], None]] = []
             queue = PutQueue(turn.append)

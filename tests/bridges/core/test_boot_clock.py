@@ -14,14 +14,14 @@ def test_timesync_gives_the_time() -> None:
     clock = BootClock()
     clock.timesync_offset = -BOOTED
     arrival = BOOTED + 5_030 * MILLISECOND
-    assert clock.from_milliseconds(5_000, arrival) == BOOTED + 5_000 * MILLISECOND
+    assert clock.from_boot(5_000 * MILLISECOND, arrival) == BOOTED + 5_000 * MILLISECOND
 
 
 def test_a_time_is_never_later_than_the_arrival() -> None:
     clock = BootClock()
     clock.timesync_offset = -BOOTED - 20 * MILLISECOND
     arrival = BOOTED + 5_000 * MILLISECOND
-    assert clock.from_milliseconds(5_000, arrival) == arrival
+    assert clock.from_boot(5_000 * MILLISECOND, arrival) == arrival
 
 
 def test_without_timesync_the_shortest_delay_counts() -> None:
@@ -30,15 +30,15 @@ def test_without_timesync_the_shortest_delay_counts() -> None:
     for number in range(1, 500):
         sent = BOOTED + number * 20 * MILLISECOND
         arrival = sent + 3 * MILLISECOND + int(rng.expovariate(1 / 20) * MILLISECOND)
-        errors.append(clock.from_milliseconds(number * 20, arrival) - sent)
+        errors.append(clock.from_boot(number * 20 * MILLISECOND, arrival) - sent)
     assert all(0 <= error < 6 * MILLISECOND for error in errors[50:])
 
 
 def test_a_reboot_starts_again() -> None:
     clock = BootClock()
-    clock.from_milliseconds(100_000, BOOTED + 100_000 * MILLISECOND)
+    clock.from_boot(100_000 * MILLISECOND, BOOTED + 100_000 * MILLISECOND)
     arrival = BOOTED + 200_000 * MILLISECOND
-    assert clock.from_milliseconds(1_000, arrival) == arrival
+    assert clock.from_boot(1_000 * MILLISECOND, arrival) == arrival
 
 
 def test_unix_time_and_missing_time() -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from typing import Any
 
 import pytest
 
+from mavstack.bridges.core.inbound import MAX_AGE
 from mavstack.bridges.ros2.dds_sink import DdsSink
 from mavstack.sim.background import BackgroundSimulator
 from tests.bridges.ros2.running import bridged, until
@@ -42,6 +44,11 @@ def test_topics_go_both_ways(monkeypatch: pytest.MonkeyPatch) -> None:
             velocity.write(Twist(Vector3(float("nan"), 0.0, 0.0), Vector3(0.0, 0.0, 0.0)))
             await until(lambda: inlet.refused)
             assert inlet.last_reason == "numbers must be finite"
+            # A Twist has no header: its age is by the time that the middleware sends with it.
+            held_back = time.time_ns() - 2 * MAX_AGE
+            velocity.write(Twist(Vector3(1.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.1)), held_back)
+            await until(lambda: inlet.refused == 2)
+            assert "later than others of its publisher" in inlet.last_reason
 
     with BackgroundSimulator() as simulator:
         asyncio.run(scenario(simulator.url))

@@ -26,10 +26,6 @@ class BootClock:
         self._delay: int | None = None
         self._updated = 0
 
-    def from_milliseconds(self, boot: int, arrival: int) -> int:
-        """Return the Unix time of a message by its `time_boot_ms`."""
-        return self.from_boot(boot * 1_000_000, arrival)
-
     def from_microseconds(self, time: int, arrival: int) -> int:
         """Return the Unix time of a message by its `time_usec`, which is Unix time or the time since boot."""
         if time >= MIN_UNIX_MICROSECONDS:

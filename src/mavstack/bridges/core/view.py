@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from math import radians
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 from mavstack.bridges.core.boot_clock import BootClock
 from mavstack.bridges.core.frames import frd_flu, ros_attitude_of, to_ros_attitude
@@ -37,20 +38,35 @@ class Frames:
         return Frames(base_link, local, odom, self.earth)
 
 
+#: A covariance matrix of three axes, row by row.
+Covariance: TypeAlias = tuple[float, ...]
+
+
+def uncorrelated(deviation: float) -> Covariance:
+    """Return the covariance of three axes with the same standard deviation."""
+    square = deviation * deviation
+    return square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square
+
+
+_ACCELERATION: Final = uncorrelated(0.0003)
+_RATE: Final = uncorrelated(radians(0.02))
+_ORIENTATION: Final = uncorrelated(1.0)
+
+
 @dataclass(slots=True)
 class Noise:
-    """The standard deviations in headers of sensors, which MAVLink does not report.
+    """The noise of sensors, which MAVLink does not report.
 
     Attributes:
-        acceleration: m/s².
-        rate: rad/s.
-        orientation: rad.
+        acceleration: The covariance of accelerations, for 0.0003 m/s² on each axis.
+        rate: The covariance of angular rates, for 0.02 degrees per second on each axis.
+        orientation: The covariance of attitudes, for 1 rad on each axis.
         uere: The user equivalent range error of satellite navigation in metres.
     """
 
-    acceleration: float = 0.0003
-    rate: float = 0.02 * 0.017453292519943295
-    orientation: float = 1.0
+    acceleration: Covariance = _ACCELERATION
+    rate: Covariance = _RATE
+    orientation: Covariance = _ORIENTATION
     uere: float = 1.0
 
 
@@ -83,7 +99,7 @@ class VehicleView:
         """Return the Unix time of a message in nanoseconds, by its own time if it has one."""
         boot = getattr(message, "time_boot_ms", None)
         if boot is not None:
-            return self.clock.from_milliseconds(boot, self.arrival)
+            return self.clock.from_boot(boot * 1_000_000, self.arrival)
         time = getattr(message, "time_usec", None)
         return self.arrival if time is None else self.clock.from_microseconds(time, self.arrival)
 

@@ -73,7 +73,9 @@ class DdsSink:
         if "CYCLONEDDS_URI" not in os.environ:
             self._kept.append(domain.Domain(self._domain, _CONFIG.format(local=local)))
         loop = asyncio.get_running_loop()
-        self._samples: Handoff[tuple[Inlet, bytes]] = Handoff(loop, lambda item: item[0].receive(item[1]))
+        self._samples: Handoff[tuple[Inlet, bytes, str, int]] = Handoff(
+            loop, lambda item: item[0].receive(*item[1:])
+        )
         self._outbox: Outbox[tuple[Any, Any]] = Outbox(lambda item: item[0].write(item[1]), name="dds")
         core: Any = import_module("cyclonedds.core")
         qos = core.Qos(policy.Userdata(b"enclave=/;"))
@@ -119,7 +121,8 @@ class DdsSink:
             def on_data_available(self, reader: Any) -> None:  # noqa: ANN401
                 for sample in reader.take(MAX_TAKEN):
                     if hasattr(sample, "payload"):  # a sample without payload: a writer ended
-                        put((inlet, sample.payload))
+                        info = sample.sample_info
+                        put((inlet, sample.payload, str(info.publication_handle), info.source_timestamp))
 
         topic = self._topic(f"rt{inlet.name}", inlet.type)
         reader = sub.DataReader(self._participant, topic, _qos(inlet.qos, inlet.type), Arrived())

@@ -78,7 +78,7 @@ class RclpySink:
         """Start rclpy."""
         loop = asyncio.get_running_loop()
         self._loop = loop
-        self._samples: Handoff[tuple[Inlet, bytes]] = Handoff(loop, lambda item: item[0].receive(item[1]))
+        self._samples: Handoff[tuple[Inlet, bytes, dict[str, Any]]] = Handoff(loop, _receive_sample)
         self._outbox: Outbox[tuple[Any, bytes]] = Outbox(lambda item: item[0].publish(item[1]), name="rclpy")
         self._context = self._rclpy.Context()
         self._rclpy.init(context=self._context, domain_id=self._domain, args=[])
@@ -141,8 +141,12 @@ class RclpySink:
         if made is None:
             return
         put = self._samples.put
+
+        def receive(data: Any, info: dict[str, Any]) -> None:  # noqa: ANN401 (bytes, or a buffer)
+            put((inlet, bytes(data), info))  # rclpy passes it to callbacks with two parameters
+
         self._nodes[inlet.node].create_subscription(
-            made, inlet.name, lambda data: put((inlet, bytes(data))), self._profile(inlet.qos), raw=True
+            made, inlet.name, receive, self._profile(inlet.qos), raw=True
         )
 
     def add_service(self, service: ServiceEndpoint) -> None:
@@ -208,6 +212,13 @@ class RclpySink:
     def dropped(self) -> int:
         """The number of samples that were dropped because rclpy or the vehicle was too slow."""
         return self._samples.dropped + self._outbox.dropped
+
+
+def _receive_sample(item: tuple[Inlet, bytes, dict[str, Any]]) -> None:
+    inlet, payload, info = item
+    publisher = info.get("publisher_gid")  # older versions of rclpy do not have it
+    source = "" if publisher is None else publisher["data"].hex()
+    inlet.receive(payload, source, info.get("source_timestamp", 0))
 
 
 def _parts(name: str, kind: str) -> list[str]:

@@ -136,7 +136,9 @@ class ZenohSink:
             publisher.start(declared)
             publisher.set_matching(matching=True)
             return
-        declared = self._session.declare_publisher(key, **options)
+        # This session has no subscribers to it; looking for local ones costs time for each sample.
+        remote = zenoh.Locality.REMOTE
+        declared = self._session.declare_publisher(key, allowed_destination=remote, **options)
         publisher.start(declared)
         put = self._matches.put
         listener = declared.declare_matching_listener(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any, Final
 
@@ -30,16 +29,10 @@ _FRAME: Final = common.MavFrame
 _IMUS: Final = (common.HighresImu, common.ScaledImu, common.RawImu)
 
 
-@lru_cache(64)
-def _diagonal(deviation: float) -> tuple[float, ...]:
-    square = deviation * deviation
-    return square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square
-
-
 def acceleration(message: Any) -> tuple[float, float, float] | None:
     """Return the acceleration of an inertial sensor in FLU, m/s²; None if it has no unit."""
-    if isinstance(message, common.HighresImu):
-        return frd_flu(message.xacc, message.yacc, message.zacc)
+    if type(message) is common.HighresImu:
+        return message.xacc, -message.yacc, -message.zacc
     if isinstance(message, common.ScaledImu | common.RawImu):
         factor = _GRAVITY / 1000
         return frd_flu(message.xacc * factor, message.yacc * factor, message.zacc * factor)
@@ -61,7 +54,7 @@ def _latest_imu(view: VehicleView) -> Any:
 
 def imu(message: Any, view: VehicleView) -> Values | None:
     """Return sensor_msgs/Imu: attitude of the estimator, rates, and the last acceleration measured."""
-    if isinstance(message, common.Attitude):
+    if type(message) is common.Attitude:
         if view.latest(common.AttitudeQuaternion) is not None:
             return None
         attitude = ros_attitude_of(message.roll, message.pitch, message.yaw)
@@ -71,13 +64,13 @@ def imu(message: Any, view: VehicleView) -> Values | None:
     noise = view.noise
     return (
         *attitude,
-        *_diagonal(noise.orientation),
+        *noise.orientation,
         message.rollspeed,
         -message.pitchspeed,
         -message.yawspeed,
-        *_diagonal(noise.rate),
+        *noise.rate,
         *(measured or (0.0, 0.0, 0.0)),
-        *(_diagonal(noise.acceleration) if measured else _UNKNOWN_3),
+        *(noise.acceleration if measured else _UNKNOWN_3),
     )
 
 
@@ -91,9 +84,9 @@ def imu_raw(message: Any, view: VehicleView) -> Values | None:
         *(0.0, 0.0, 0.0, 0.0),
         *_UNKNOWN_3,
         *_gyro(message),
-        *_diagonal(noise.rate),
+        *noise.rate,
         *(measured or (0.0, 0.0, 0.0)),
-        *(_diagonal(noise.acceleration) if measured else _UNKNOWN_3),
+        *(noise.acceleration if measured else _UNKNOWN_3),
     )
 
 
