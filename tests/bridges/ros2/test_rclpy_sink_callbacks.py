@@ -62,7 +62,7 @@ async def test_the_time_of_the_publisher_comes_with_a_sample(monkeypatch: pytest
     sink = RclpySink(0)
     await sink.open()
     sink._nodes[inlet.node] = node
-    sink.add_inlet(inlet)  # type: ignore[arg-type]
+    sink.add_inlet(inlet)
     (callback,) = node.callbacks
     assert len(inspect.signature(callback).parameters) == 2  # by this number rclpy decides what it passes
     publisher = {"implementation_identifier": "rmw_fastrtps_cpp", "data": b"\x01\x0f"}

@@ -65,7 +65,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument(
         "bus", nargs="?", choices=("ros2", "zenoh"), default="ros2", help="the rows, or the keys of a fleet"
     )
-    action.add_argument("--json", action="store_true", help="print one JSON object per row")
+    action.add_argument("--json", action="store_true", help="print a JSON array with one object per row")
     action = actions.add("package", "write the interfaces of a ROS package, to be built there", _package)
     action.add_argument("name", metavar="NAME", help="such as mavstack_msgs or mavros_msgs")
     action.add_argument("folder", type=Path, metavar="FOLDER", help="gets the folder of the package")
