@@ -182,7 +182,8 @@ def _line(system: int, share: Share, searcher: Searcher) -> str:
     if not share.items:
         return f"vehicle {system}: no part of the plan"
     minutes = share.way / searcher.speed / 60.0
-    text = f"{len(share.tracks)} legs, {share.length:.0f} m, {minutes:.1f} min at {share.altitude:.0f} m"
+    legs = "1 leg" if len(share.tracks) == 1 else f"{len(share.tracks)} legs"
+    text = f"{legs}, {share.length:.0f} m, {minutes:.1f} min at {share.altitude:.0f} m"
     return f"vehicle {system}: {text}"
 
 
