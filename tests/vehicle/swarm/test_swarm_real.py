@@ -70,14 +70,18 @@ def test_a_real_px4_keeps_its_slot_in_offboard_mode(firmware):
     assert turning <= TURNING
 
 
-async def lead(vehicle, seconds, rate):
-    """Drive the leader at 1.5 m/s, turning by some degrees a second."""
+async def lead(vehicle, parts):
+    """Drive the leader at 1.5 m/s, turning by some degrees a second.
+
+    It does not stop between the parts, since a follower has to catch up after a stop.
+    """
     course = 0.0
     async with vehicle.guided() as guided:
-        for _ in range(round(10 * seconds)):
-            course += math.radians(rate) / 10.0
-            guided.velocity(north=1.5 * math.cos(course), east=1.5 * math.sin(course))
-            await asyncio.sleep(0.1)
+        for seconds, rate in parts:
+            for _ in range(round(10 * seconds)):
+                course += math.radians(rate) / 10.0
+                guided.velocity(north=1.5 * math.cos(course), east=1.5 * math.sin(course))
+                await asyncio.sleep(0.1)
 
 
 async def gaps(leader, follower, body, seconds):
@@ -118,13 +122,11 @@ def test_a_real_ardurover_keeps_its_slot_in_follow_mode(firmware):
                 follower.follow(leader, (-10.0, 0.0, 0.0), level="radio", duration=None)
             )
             await wait_until(lambda: follower.mode == "FOLLOW", interval=0.05, now=connection.now)
-            leading = asyncio.create_task(lead(leader, 24.0, 0.0))
+            leading = asyncio.create_task(lead(leader, ((24.0, 0.0), (18.0, 5.0))))
             await asyncio.sleep(15.0)
             straight = await gaps(leader, follower, body, 8.0)
-            await leading
-            leading = asyncio.create_task(lead(leader, 18.0, 5.0))
-            await asyncio.sleep(4.0)
-            turning = await gaps(leader, follower, body, 13.0)
+            await asyncio.sleep(2.0)
+            turning = await gaps(leader, follower, body, 15.0)
             await leading
             following.cancel()
             with suppress(asyncio.CancelledError):
