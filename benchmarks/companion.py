@@ -3,7 +3,8 @@
 Programs run as children (`companion_programs.py`); this process is the vehicle at the other end of a UDP
 socket, or the receiver of air traffic. The processor time is that of the child with all its threads.
 
-- odometry at 50 Hz: share of a core, and the age at the vehicle; beside MAVSDK and pymavlink;
+- odometry at 50 Hz, after two seconds of it: share of a core, and the age at the vehicle; beside MAVSDK and
+  pymavlink;
 - 1,000 aircraft with two lines of SBS a second each: share of a core (no peer reads a receiver);
 - 1,000 CAN frames a second in each direction to a program of python-can: frames that are lost;
 - corrections of 800 B/s over a simulated radio of 57,600 baud: the 95th percentile of the delay of commands,

@@ -57,6 +57,7 @@ WITH_VEHICLE = [
     "vehicle servo 9 1500", "vehicle relay 1 on", "vehicle actuator 1 0.5", "vehicle motor-test 1 --yes",
     "vehicle gripper grip", "vehicle winch relax", "vehicle roi none", "vehicle transition multicopter",
     "vehicle ekf-source 1", "vehicle transponder --action-timeout 1",
+    "vehicle failure gps --yes",
     "vehicle renumber 7", "vehicle calibrate gyroscope", "vehicle terminate --yes",
     "param list", "param get RALLY_LIMIT_KM NOSUCH", "param set NOSUCH 1", "param set LOG_BACKEND_TYPE 2",
     "param save - --format mavproxy", "param load hostile.param", "param diff hostile.param",

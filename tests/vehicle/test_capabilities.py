@@ -19,6 +19,7 @@ def test_firmwares(firmware):
         ardupilot = firmware is ARDUPILOT
         before = vehicle.capabilities
         assert (before.parameters, before.shell, before.servos) == (True, not ardupilot, ardupilot)
+        assert before.failures is not ardupilot
         assert before.ftp is None
         await vehicle.get_version()
         known = vehicle.capabilities

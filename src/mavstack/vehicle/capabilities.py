@@ -69,6 +69,7 @@ class Capabilities:
         relays: Relays can be switched: `actuators.set_relay`.
         actuators: Actuator outputs can be set: `actuators.set_actuator`.
         motor_test: Single motors can be run: `actuators.test_motor`.
+        failures: Units fail on purpose, if a parameter permits it: `failure.inject`.
         gripper: There is a gripper: `actuators.grip`.
         winch: There is a winch: `actuators.unwind`.
         ekf_sources: The sources of the estimator can be selected: `set_ekf_source`.
@@ -106,6 +107,7 @@ class Capabilities:
     relays: bool | None = None
     actuators: bool | None = None
     motor_test: bool | None = None
+    failures: bool | None = None
     gripper: bool | None = None
     winch: bool | None = None
     ekf_sources: bool | None = None
@@ -163,6 +165,7 @@ def capabilities_of(vehicle: Vehicle) -> Capabilities:
         relays=features.get("relays"),
         actuators=features.get("actuators"),
         motor_test=features.get("motor_test"),
+        failures=features.get("failures"),
         gripper=reader.first(
             features.get("gripper"), reader.enabled("gripper"), reader.flag(_FLAG.GRIPPER) or None
         ),

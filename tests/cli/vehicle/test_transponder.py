@@ -42,3 +42,18 @@ def test_wrong_settings_are_not_sent(simulate, mav, words, problem):
 def test_all_parts_of_a_state():
     faulty = TransponderStatus("0021", "", True, False, False, False, 35, ("GPS_NO_POS", "MAINT_REQ"))
     assert describe(faulty) == "squawk 0021, transmits, without altitude, faults: GPS_NO_POS MAINT_REQ"
+
+
+def test_the_identity_in_a_transponder_that_speaks_mavlink(simulate, mav):
+    harness = simulate(COPTER)
+    harness.vehicle.has_transponder = True
+    harness.vehicle.reboot()
+    result = mav("vehicle", "transponder", "--registration", "N8644B", "--flight-id", "LX1")
+    assert (result.code, result.out) == (0, "vehicle 1: registration N8644B, flight id LX1\n")
+    mav("vehicle", "transponder", "--registration", "")
+    assert mav("vehicle", "transponder", "--identity").out == (
+        "vehicle 1: registration not set, flight id LX1\n"
+    )
+    refused = mav("vehicle", "transponder", "7000", "--registration", "N1")
+    assert refused.code == 2
+    assert "leave out squawk" in refused.err

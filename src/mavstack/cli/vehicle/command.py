@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds, system_id
-from mavstack.cli.vehicle import calibrate, equipment, events, setup, transponder
+from mavstack.cli.vehicle import calibrate, equipment, events, failure, setup, transponder
 from mavstack.cli.vehicle.arguments import (
     add_action,
     add_flight,
@@ -66,6 +66,10 @@ examples:
   mav vehicle ekf-source 2
   mav vehicle transponder
   mav vehicle transponder 7000 --flight-id LX1
+  mav vehicle transponder --registration N8644B --flight-id LX1
+  mav vehicle failure gps off --yes
+  mav vehicle failure motor --number 2 --yes
+  mav vehicle failure gps ok
   mav vehicle calibrate
   mav vehicle calibrate gyroscope
   mav vehicle calibrate accelerometer --yes --pause 10
@@ -105,6 +109,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     equipment.add_actions(actions)
     transponder.add_actions(actions)
+    failure.add_actions(actions)
     calibrate.add_actions(actions)
     setup.add_actions(actions)
     add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)

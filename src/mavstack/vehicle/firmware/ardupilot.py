@@ -109,7 +109,7 @@ class ArduPilot(Firmware):
         dict.fromkeys(
             ("parameters", "mission", "logs", "servos", "relays", "motor_test", "manual_control"), True
         )
-        | {"flashing": True, "actuators": False, "shell": False, "events": False}
+        | {"flashing": True, "actuators": False, "shell": False, "events": False, "failures": False}
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {"gripper": ("GRIP_ENABLE",), "winch": ("WINCH_TYPE",), "osd": ("OSD_TYPE",)}

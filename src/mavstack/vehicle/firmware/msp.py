@@ -55,7 +55,7 @@ _LACKING: Final[Mapping[str, str]] = MappingProxyType(
 _FEATURES: Final[Mapping[str, bool]] = MappingProxyType(
     {"parameters": True, "flashing": True}
     | dict.fromkeys(("mission", "fence", "rally", "ftp", "logs", "shell", "events", "terrain"), False)
-    | dict.fromkeys(("setpoints", "attitude_setpoints", "servos", "relays", "actuators"), False)
+    | dict.fromkeys(("setpoints", "attitude_setpoints", "servos", "relays", "actuators", "failures"), False)
     | dict.fromkeys(("motor_test", "manual_control", "gripper", "winch", "ekf_sources", "vtol"), False)
 )
 

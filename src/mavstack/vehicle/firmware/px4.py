@@ -71,7 +71,7 @@ class Px4(Firmware):
         dict.fromkeys(
             ("parameters", "mission", "logs", "shell", "actuators", "motor_test", "manual_control"), True
         )
-        | {"flashing": True, "servos": False, "relays": False, "ekf_sources": False}
+        | {"failures": True, "flashing": True, "servos": False, "relays": False, "ekf_sources": False}
     )
     EQUIPMENT_PARAMETERS: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         {"gripper": ("PD_GRIPPER_EN",), "osd": ("OSD_ATXXXX_CFG", "MSP_OSD_CONFIG")}

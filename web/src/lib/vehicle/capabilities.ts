@@ -26,6 +26,8 @@ export interface Capabilities {
   readonly home: Capability;
   readonly manualControl: Capability;
   readonly motorTest: Capability;
+  /** Units fail on purpose, if a parameter permits it. */
+  readonly failures: Capability;
   readonly terminate: Capability;
   readonly vtol: Capability;
   readonly ekfSources: Capability;
@@ -63,6 +65,7 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   home: null,
   manualControl: null,
   motorTest: null,
+  failures: null,
   terminate: null,
   vtol: null,
   ekfSources: null,
@@ -104,6 +107,7 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     mission: true,
     logs: true,
     motorTest: true,
+    failures: false,
     servos: true,
     relays: true,
     actuators: false,
@@ -117,6 +121,7 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     mission: true,
     logs: true,
     motorTest: true,
+    failures: true,
     servos: false,
     relays: false,
     actuators: true,
@@ -142,6 +147,7 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     home: false,
     manualControl: false,
     motorTest: false,
+    failures: false,
     terminate: false,
     vtol: false,
     ekfSources: false,
