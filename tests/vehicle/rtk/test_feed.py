@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 
 import pytest
 
@@ -11,6 +12,7 @@ from mavstack.gnss.rtcm import RtcmFramer
 from mavstack.vehicle.rtk import CorrectionFeed, FeedState, download_source_table, feed
 from tests.gnss.caster import caster
 from tests.gnss.test_rtcm import msm, station
+from tests.links.certificates import certificates  # noqa: F401 - a fixture
 
 GGA = b"$GPGGA,120000.00,4723.86,N,00832.73,E,1,14,0.6,488.0,M,47.0,M,,*7F\r\n"
 
@@ -38,6 +40,28 @@ async def test_a_caster_streams_and_receives_the_position(monkeypatch):
         assert source.state is FeedState.ENDED
         assert source.problem  # closed or reset by the caster
         assert "secret" not in source.url
+
+
+async def test_a_caster_over_tls_must_be_trusted(certificates, monkeypatch):  # noqa: F811
+    data = bytearray()
+
+    async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        assert (await reader.readuntil(b"\r\n\r\n")).startswith(b"GET /NEAR ")
+        writer.write(b"ICY 200 OK\r\n\r\n" + station().data)
+        await writer.drain()
+
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    context.load_cert_chain(certificates / "cert.pem", certificates / "key.pem")
+    server = await asyncio.start_server(answer, "127.0.0.1", 0, ssl=context)
+    url = f"ntrips://127.0.0.1:{server.sockets[0].getsockname()[1]}/NEAR"
+    async with CorrectionFeed(url, data.extend) as source:
+        await until(lambda: "certificate verify failed" in source.problem)
+    assert not data
+    monkeypatch.setenv("SSL_CERT_FILE", str(certificates / "ca.pem"))
+    async with CorrectionFeed(url, data.extend):
+        await until(lambda: data == station().data)
+    server.close()
+    await server.wait_closed()
 
 
 async def test_a_wrong_password_ends_the_feed():

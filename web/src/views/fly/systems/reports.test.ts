@@ -112,6 +112,18 @@ describe('reports of systems', () => {
     expect(bad(blocks)).toEqual(['Lost']);
   });
 
+  it('show an aircraft that is a threat', () => {
+    const near = { threat_level: 2, action: 2, time_to_minimum_delta: 12.4, horizontal_minimum_delta: 80 };
+    const rows = rowsOf('COLLISION', { ...near, altitude_minimum_delta: 30, id: 7 });
+    expect(values(rows)).toEqual([
+      'Threat: HIGH',
+      'Closest, in height: 80 m, 30 m, in 12 s',
+      'Evasion: ASCEND_OR_DESCEND',
+    ]);
+    expect(bad(rows)).toEqual(['Threat']);
+    expect(bad(rowsOf('COLLISION', { threat_level: 0, action: 0 }))).toEqual([]);
+  });
+
   it('show answers about failures and arming', () => {
     const answer = (command: number, fields: Record<string, number>): readonly Row[] =>
       ANSWERS[command]!.read(fields, COUNTS);

@@ -1,6 +1,6 @@
 /** Reports of the systems of a vehicle beside its autopilot, as rows of names and values for people. */
 
-import { MavArmAuthDeniedReason, MavCmd, MavResult } from '$generated';
+import { MavArmAuthDeniedReason, MavCmd, MavCollisionThreatLevel, MavResult } from '$generated';
 import { enumName, enumValues, officialName } from '$lib/decoder/Decoder';
 import { t, type TextKey } from '$lib/i18n';
 import { format, UNKNOWN } from '$lib/units/units';
@@ -208,6 +208,28 @@ function transponder(fields: Fields): Row[] {
   ];
 }
 
+/** An aircraft that the autopilot regards as a threat. */
+function collision(fields: Fields): Row[] {
+  const threat = Number(fields.threat_level ?? 0);
+  const action = enumName('MAV_COLLISION_ACTION', Number(fields.action ?? 0)) ?? UNKNOWN;
+  const distances = joined(
+    format(known(fields.horizontal_minimum_delta), 'distance', 0),
+    format(known(fields.altitude_minimum_delta), 'distance', 0),
+  );
+  return [
+    {
+      name: t('payload.threat'),
+      value: enumName('MAV_COLLISION_THREAT_LEVEL', threat) ?? UNKNOWN,
+      isBad: threat !== MavCollisionThreatLevel.NONE,
+    },
+    ...row(t('payload.closest'), joined(distances, formatSeconds(known(fields.time_to_minimum_delta)))),
+    { name: t('payload.evasion'), value: action },
+  ];
+}
+
+const formatSeconds = (seconds: number | null): string =>
+  seconds === null ? UNKNOWN : t('payload.inSeconds', { value: Math.round(seconds) });
+
 function transceiver(fields: Fields): Row[] {
   const isHealthy = Number(fields.rfHealth) === HEALTHY_TRANSCEIVER;
   const health = flagsOf('UAVIONIX_ADSB_RF_HEALTH', fields.rfHealth).join(' ');
@@ -263,6 +285,7 @@ export const KINDS: Readonly<Record<string, Kind>> = {
   HIGH_LATENCY2: { title: 'payload.highLatency', instance: '', read: highLatency },
   UAVIONIX_ADSB_OUT_STATUS: { title: 'payload.transponder', instance: '', read: transponder },
   UAVIONIX_ADSB_TRANSCEIVER_HEALTH_REPORT: { title: 'payload.transceiver', instance: '', read: transceiver },
+  COLLISION: { title: 'payload.collision', instance: 'id', read: collision },
   CAN_FRAME: { title: 'payload.canBus', instance: 'bus', read: frames },
   CANFD_FRAME: { title: 'payload.canFdBus', instance: 'bus', read: frames },
   LOGGING_DATA: { title: 'payload.logStream', instance: '', read: logBlocks },
