@@ -6,6 +6,7 @@ import asyncio
 
 import pytest
 
+from mavstack.sim.px4.modes import FOLLOW_TARGET
 from tests.interop.mavsdk_peer import mavsdk_object, needs_mavsdk
 from tests.interop.simulated import simulated_flight
 
@@ -32,7 +33,7 @@ async def test_a_copter_follows_the_target_of_mavsdk() -> None:
         )  # fmt: skip
         with flight.real_time():  # MAVSDK repeats the target each second
             await flight.call_ok("follow_me", "start")
-            await flight.wait_until(lambda: flight.vehicle.autopilot.mode.name == "FOLLOW_TARGET")
+            await flight.wait_until(lambda: flight.vehicle.autopilot.mode.number == FOLLOW_TARGET)
             for _ in range(60):
                 await flight.call_ok("follow_me", "set_target_location", target)
                 if abs(flight.distance(30.0) - DISTANCE) < 2 and abs(flight.height - HEIGHT) < 1:
@@ -41,4 +42,4 @@ async def test_a_copter_follows_the_target_of_mavsdk() -> None:
             assert flight.distance(30.0) == pytest.approx(DISTANCE, abs=2)
             assert flight.height == pytest.approx(HEIGHT, abs=1)
             await flight.call_ok("follow_me", "stop")
-            await flight.wait_until(lambda: flight.vehicle.autopilot.mode.name != "FOLLOW_TARGET")
+            await flight.wait_until(lambda: flight.vehicle.autopilot.mode.number != FOLLOW_TARGET)
