@@ -15,8 +15,8 @@
       labels || (each.matches('input, select, textarea') ? '' : text(each)) || each.title || each.placeholder || ''
     return name.trim()
   }
-  // Controls that differ in a number, or in the name of a parameter or a message, count as one.
-  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'an item']]
+  // Controls that differ in a number, in what is chosen, or in the name of a parameter or a message, count as one.
+  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'an item'], [/^(Functions of [^:]*): .*/, '$1']]
   const general = name => ALIKE.reduce((short, [pattern, word]) => short.replace(pattern, word), name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#')).slice(0, 90)
   const kindOf = each => each.getAttribute('role') || (each.localName === 'input' ? each.type : each.localName)
   // The entries of a long list are alike.
@@ -59,11 +59,29 @@
     return watched.apply(this, values).finally(() => { requests -= 1 })
   }
   // Instruments that are drawn sixty times a second cost more than all actions.
+  const frames = new Map()
   window.requestAnimationFrame = callback => {
     effect()
-    return later(() => callback(performance.now()), FRAME)
+    const id = later(() => {
+      frames.delete(id)
+      callback(performance.now())
+    }, FRAME)
+    frames.set(id, callback)
+    return id
   }
-  window.cancelAnimationFrame = cancel
+  window.cancelAnimationFrame = id => {
+    frames.delete(id)
+    cancel(id)
+  }
+  // A canvas that waits for a frame already asks for no other: what it waits for is drawn before an action.
+  const drawPending = () => {
+    const pending = [...frames]
+    frames.clear()
+    for (const [id, callback] of pending) {
+      cancel(id)
+      callback(performance.now())
+    }
+  }
   const settle = async () => {
     for (let turn = 0; turn < MAX_TURNS && (turn === 0 || requests > 0); turn += 1) await new Promise(done => draw(() => later(done, 10)))
   }
@@ -78,7 +96,8 @@
     const control = event.target instanceof Element ? event.target.closest(SELECTOR) : null
     if (current === null || control === null) return
     if (control !== current.control && !control.contains(current.control) && !current.control.closest('label')?.contains(control)) return
-    if (name !== 'pointerdown') used.add(current.key)
+    if (name === 'pointerdown') drawPending()
+    else used.add(current.key)
     isArmed = true
     channel.port2.postMessage(0)
   }, true)
@@ -167,17 +186,19 @@
     }
     return { action: 'wait', key: '' }
   }
+  // Ends the last action; returns whether it seems dead, so that what moves comes to rest before the second try.
   const finish = () => {
-    if (current === null) return
+    if (current === null) return false
     const { control, key, wasChosen, isAgain } = current
     current = null
     last = key
     const isButton = control.matches('button, a, summary, [role=option]')
-    if (isButton && !isAgain && used.has(key) && !wasChosen && effects === 0) {
-      // It acts at the second try, or it is dead.
+    const isDead = isButton && !isAgain && used.has(key) && !wasChosen && effects === 0
+    if (isDead) {
       used.delete(key)
       problems.set(key, 'dead')
     }
+    return isDead
   }
   window.crawler = {
     begin: (view, pattern) => { root = view; excluded = pattern === '' ? /(?!)/ : new RegExp(pattern); reopened.clear() },
@@ -185,7 +206,7 @@
     held: () => { if (current !== null) { used.add(current.key); effects += 1 } },
     // Ends the last action, and chooses the next control; null: all are used.
     next: () => {
-      finish()
+      if (finish()) return { action: 'wait', key: '' }
       if (document.fullscreenElement !== null) {
         document.exitFullscreen()
         return { action: 'wait', key: '' }

@@ -55,7 +55,7 @@ FEW_ACTIONS = 8
 #: Parameters that keep a vehicle on the ground armed.
 STAY_ARMED = {"DISARM_DELAY": 0, "COM_DISARM_PRFLT": -1}
 #: The picker shows a vehicle.
-READY = "button:has-text('Choose a vehicle:')"
+READY = "button:enabled:has-text('Choose a vehicle:')"
 #: Controls that are not used here: those that leave the page, and those that need a flight, a gamepad or
 #: another window, with the tests that use them.
 NOT_USED = {

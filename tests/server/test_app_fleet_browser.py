@@ -62,6 +62,8 @@ def test_parameters_are_saved_and_firmware_is_checked(world) -> None:
     playwright.expect(page.get_by_text("The parameters are saved on the vehicle.")).to_be_visible()
     playwright.expect(page.get_by_text("not yet saved")).to_have_count(0)
     page.get_by_role("button", name="Firmware", exact=True).click()
+    # It is simulated: its version, by which the page learns that, comes some seconds later.
+    playwright.expect(page.get_by_text("has no bootloader")).to_be_visible()
     damaged = {"name": "copter.apj", "mimeType": "", "buffer": b"junk"}
     page.get_by_label("File of the firmware").set_input_files([damaged])
     playwright.expect(page.get_by_role("alert")).to_contain_text("copter.apj")

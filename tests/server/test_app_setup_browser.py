@@ -76,13 +76,17 @@ def test_the_check_list_leads_to_what_is_missing(page) -> None:
 def test_a_change_of_the_airframe_is_shown_first(world, page) -> None:
     copter = world[0].simulation.vehicles[0]
     open_section(page, "Airframe")
+    change = page.get_by_role("button", name="Change the airframe")
+    playwright.expect(page.get_by_text("The vehicle is set up like this already.")).to_be_visible()
+    playwright.expect(change).to_be_disabled()
     page.get_by_role("combobox", name="Airframe").select_option(label="2: hexa")
     page.get_by_role("combobox", name="Arrangement of the motors").select_option(label="0: plus")
     playwright.expect(page.get_by_text("Sets FRAME_CLASS = 2, FRAME_TYPE = 0.")).to_be_visible()
     assert copter.parameters["FRAME_CLASS"] == 1
     boots = copter.boots
-    hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
+    hold(page, change, 1800)
     playwright.expect(page.get_by_text("The airframe is now: hexa, plus.")).to_be_visible()
+    playwright.expect(change).to_be_disabled()
     assert (copter.parameters["FRAME_CLASS"], copter.boots) == (2, boots + 1)
 
 
@@ -147,9 +151,15 @@ def test_px4_resets_parameters_only_if_asked_on_a_phone(world) -> None:
     page.get_by_role("button", name="Choose a vehicle").click()
     page.get_by_role("option", name="Copter 2").click()
     open_section(page, "Airframe")
+    reset = page.get_by_role("checkbox", name="Reset the parameters")
+    again = page.get_by_role("button", name="Reset to this airframe")
+    playwright.expect(again).to_be_enabled()
+    reset.uncheck()
+    playwright.expect(page.get_by_role("button", name="Change the airframe")).to_be_disabled()
+    reset.check()
     page.get_by_role("combobox", name="Airframe").select_option(label="6001: hexacopter X")
     playwright.expect(page.get_by_text("Resets all other parameters.")).to_be_visible()
-    page.get_by_role("checkbox", name="Reset the parameters").uncheck()
+    reset.uncheck()
     playwright.expect(page.get_by_text("All other parameters stay as they are.")).to_be_visible()
     hold(page, page.get_by_role("button", name="Change the airframe"), 1800)
     playwright.expect(page.get_by_text("The airframe is now: hexacopter X.")).to_be_visible()

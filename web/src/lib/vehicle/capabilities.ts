@@ -38,6 +38,8 @@ export interface Capabilities {
   readonly winch: Capability;
   /** A payload has extended parameters. */
   readonly extendedParameters: Capability;
+  /** Its board has a bootloader, by which the firmware is replaced over USB. */
+  readonly flashing: Capability;
   readonly osd: Capability;
   readonly vtx: Capability;
   /** The vehicle is reached by MSP, not MAVLink. */
@@ -75,6 +77,7 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   gripper: null,
   winch: null,
   extendedParameters: null,
+  flashing: null,
   osd: null,
   vtx: null,
   msp: null,

@@ -36,6 +36,8 @@ export const setup = {
   firmwareChecked: 'The file fits the board {board}: nothing was changed.',
   firmwareParameters: '{count, one: # parameter, other: # parameters} restored',
   firmwareFailed: 'Not restored: {names}',
+  firmwareNoBootloader:
+    '{vehicle} has no bootloader: its firmware cannot be replaced here. This page flashes boards at a port.',
   firmwareRefused: 'Only the role administer flashes firmware.',
   firmwareSearch: 'Look for ports again',
   usbFirmware: 'Firmware of a board at this computer',
@@ -225,6 +227,8 @@ export const setup = {
   airframeKeeps: 'All other parameters stay as they are.',
   airframeRestart: 'The vehicle restarts.',
   airframeChange: 'Change the airframe',
+  airframeAgain: 'Reset to this airframe',
+  airframeSame: 'The vehicle is set up like this already.',
   airframeChanged: 'The airframe is now: {name}.',
   ports: 'Serial ports',
   portsHint: 'A change takes effect after a reboot.',

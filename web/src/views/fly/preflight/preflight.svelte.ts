@@ -17,6 +17,10 @@ class Preflight {
     return this.ticked[system]?.has(item) ?? false;
   }
 
+  hasTicks(system: number): boolean {
+    return (this.ticked[system]?.size ?? 0) > 0;
+  }
+
   tick(system: number, item: string): void {
     const items = new Set(this.ticked[system] ?? []);
     if (!items.delete(item)) items.add(item);
