@@ -34,7 +34,7 @@
   const rank = each => (LAST.test(nameOf(each)) ? 6 : isOpener(each) ? 4 : each.matches('button, a') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
-  const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set()
+  const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set()
   let round = 0, usedBefore = -1, isStuck = false, last = null
   let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0, requests = 0, shown = new Set()
 
@@ -138,6 +138,7 @@
       return choice('covered')
     }
     problems.delete(key)
+    if (each.classList.contains('guarded') && !LAST.test(key)) starters.add(key)
     return { ...choice(each.classList.contains('guarded') ? 'hold' : fill(each) ? 'filled' : 'click'), ...place }
   }
   const choice = action => ({ action, key: current.key })
@@ -172,6 +173,12 @@
     round += 1
     usedBefore = used.size
     reopened.clear()
+    const isOver = isStuck && unused().length > 0
+    // What a flight enables is gone after it: the flight is started once more.
+    for (const key of isOver ? starters : []) {
+      again.add(key)
+      attempts.delete(key)
+    }
     for (let key of unused()) {
       // Where an opener does not bring a control back, the one that removed it may: a list with several modes.
       if (isStuck && removedBy.has(key)) {

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -94,6 +96,21 @@ def set_by_api(bench, mav, monkeypatch, *, save):
 
 
 def set_by_command(bench, mav, monkeypatch, *, save):
+    words = ["set", bench.name, str(bench.value), "--force"]
+    last = run_command(bench, mav, monkeypatch, [*words, *(["--save"] if save else [])])
+    if bench.firmware not in MSP and not save:
+        assert str(bench.value) in last
+
+
+def set_by_file(bench, mav, monkeypatch, *, save):
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "values.param"
+        path.write_text(f"{bench.name},{bench.value}\n", "utf-8")
+        run_command(bench, mav, monkeypatch, ["load", str(path), *(["--save"] if save else [])])
+
+
+def run_command(bench, mav, monkeypatch, words):
+    """Run `mav param` beside the vehicle; return its last line, which tells of values that are not saved."""
     networks = []
 
     async def on_network(work):
@@ -103,16 +120,15 @@ def set_by_command(bench, mav, monkeypatch, *, save):
 
     monkeypatch.setattr(asyncio, "run", lambda work: run_virtually(on_network(work)))
     monkeypatch.setattr(cli_connection, "connect", lambda *_, **__: connect(networks[-1].link()))
-    result = mav("param", "set", bench.name, str(bench.value), "--force", *(["--save"] if save else []))
+    result = mav("param", *words)
     monkeypatch.undo()
     assert result.code == 0, result
     last = result.out.splitlines()[-1]
-    if save:
+    if "--save" in words:
         assert last == "vehicle 1: saved"
     elif bench.firmware in MSP:
         assert last == "vehicle 1: not yet saved; --save keeps these values over a restart"
-    else:
-        assert str(bench.value) in last
+    return last
 
 
 def set_by_http(bench, mav, monkeypatch, *, save):
@@ -133,7 +149,7 @@ def set_by_http(bench, mav, monkeypatch, *, save):
     run_virtually(scenario())
 
 
-WAYS = [set_by_api, set_by_command, set_by_http]
+WAYS = [set_by_api, set_by_command, set_by_file, set_by_http]
 
 
 @pytest.mark.parametrize("way", WAYS)
