@@ -12,7 +12,7 @@ import argparse
 import asyncio
 import statistics
 from time import time
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import aiortc
 
@@ -22,13 +22,13 @@ from mavstack.sim.payloads.picture import read_time
 from mavstack.sim.video_camera import RATE, VideoCamera, attitude_picture
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncGenerator
 
 #: Pictures after which the stream flows.
 WARM_UP: Final = 50
 
 
-async def _delays(camera: VideoCamera, gateway: VideoGateway) -> AsyncIterator[float]:
+async def _delays(camera: VideoCamera, gateway: VideoGateway) -> AsyncGenerator[float, None]:
     """Watch a camera; yield the age of each picture in seconds when the viewer has decoded it."""
     peer = aiortc.RTCPeerConnection()
     tracks: asyncio.Queue[aiortc.MediaStreamTrack] = asyncio.Queue()
@@ -40,8 +40,8 @@ async def _delays(camera: VideoCamera, gateway: VideoGateway) -> AsyncIterator[f
         await peer.setRemoteDescription(aiortc.RTCSessionDescription(answer.sdp, "answer"))
         track = await tracks.get()
         while True:
-            picture = (await track.recv()).to_ndarray(format="rgb24")
-            yield time() - read_time(picture)
+            picture: Any = await track.recv()
+            yield time() - read_time(picture.to_ndarray(format="rgb24"))
     finally:
         await peer.close()
 

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.interop.station import DESKTOP, PATIENT, PHONE, chromium, web_server
+from tests.interop.test_station_controls import FIRMWARES, READY, vehicle_of
 
 pytestmark = [pytest.mark.interop, pytest.mark.xdist_group("chromium"), pytest.mark.timeout(300)]
 
@@ -71,20 +72,48 @@ def check_forms(page: Any, problems: dict[str, list[str]]) -> None:
     page.get_by_role("button", name="Done", exact=True).click()
 
 
-@pytest.mark.nightly
-def test_views_have_no_violations(tmp_path: Path) -> None:
+def open_checked_page(browser: Any, url: str, ready: str) -> Any:
+    """Return a page with axe that shows a vehicle."""
     if not AXE.is_file():
         pytest.skip("axe-core is not installed: npm ci in web")
+    # Colours that change slowly would be measured half way.
+    page = browser.new_context(bypass_csp=True, reduced_motion="reduce").new_page()
+    page.goto(url)
+    page.locator(ready).first.wait_for(timeout=PATIENT)
+    page.add_script_tag(path=str(AXE))
+    return page
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("firmware", FIRMWARES)
+def test_all_sections_with_a_station_have_no_violations(firmware: str, tmp_path: Path) -> None:
+    """The pages that only a station has, and the panels of payloads."""
+    problems: dict[str, list[str]] = {}
+    with vehicle_of(firmware) as vehicle, web_server(tmp_path, vehicle.url) as server, chromium() as browser:
+        page = open_checked_page(browser, f"{server.url}#/fly", READY)
+        for closed in page.locator("main button[aria-expanded=false]").all()[::-1]:
+            closed.click()
+        check_appearances(page, problems, "fly")
+        page.goto(f"{server.url}#/setup")
+        sections = page.get_by_role("navigation", name="Set-up").get_by_role("button")
+        sections.first.wait_for(timeout=PATIENT)
+        for name in sections.all_inner_texts():
+            page.set_viewport_size({"width": DESKTOP[0], "height": DESKTOP[1]})
+            sections.get_by_text(name, exact=True).click()
+            page.wait_for_load_state("networkidle")
+            check_appearances(page, problems, name)
+    assert {place: found for place, found in problems.items() if found} == {}
+
+
+@pytest.mark.nightly
+def test_views_have_no_violations(tmp_path: Path) -> None:
     problems: dict[str, list[str]] = {}
     with web_server(tmp_path) as server, chromium() as browser:
-        # Colours that change slowly would be measured half way.
-        context = browser.new_context(bypass_csp=True, reduced_motion="reduce")
-        page = context.new_page()
-        page.goto(f"{server.url}?demo=2")
         # The vehicle with the lowest system id is selected, whichever is heard first.
+        page = open_checked_page(
+            browser, f"{server.url}?demo=2", "button:has-text('Choose a vehicle: Copter 1')"
+        )
         picker = page.get_by_role("button", name="Choose a vehicle: Copter 1", exact=True)
-        picker.wait_for(timeout=PATIENT)
-        page.add_script_tag(path=str(AXE))
         for view in VIEWS:
             page.goto(f"{server.url}?demo=2#/{view}")
             page.locator(f"nav a[href='#/{view}'][aria-current=page]").first.wait_for(timeout=PATIENT)

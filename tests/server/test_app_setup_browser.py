@@ -258,6 +258,9 @@ def test_a_parameter_of_a_flight_controller_outlasts_a_power_cycle_once_saved(
     name, value = UNSAVED[firmware]
     with target, web_station(tmp_path, target.url) as url:
         page = new_page(f"{url}#/setup")
+        open_section(page, "Tuning")
+        for each in ("BF_PID_ROLL_P", "BF_PID_LEVEL_P", "BF_ROLL_RATE", "BF_RC_EXPO"):
+            page.get_by_label(each, exact=True).wait_for()
         set_parameter(page, name, value)
         playwright.expect(page.get_by_text("1 parameter is not yet saved")).to_be_visible()
         restart(page, target)

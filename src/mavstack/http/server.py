@@ -125,7 +125,7 @@ def _config(app: ASGIApp, *, websockets: bool, proxy: str) -> uvicorn.Config:
         # `Connection` closes idle connections, because the server does not see all requests
         timeout_keep_alive=_NEVER,
         http="h11",
-        ws="websockets-sansio" if websockets else "none",
+        ws=_web_socket() if websockets else "none",
         ws_max_size=MAX_WEBSOCKET_MESSAGE,
         ws_ping_interval=PING_INTERVAL,
         ws_ping_timeout=PING_INTERVAL,
@@ -138,6 +138,12 @@ def _config(app: ASGIApp, *, websockets: bool, proxy: str) -> uvicorn.Config:
     )
     config.load()
     return config
+
+
+def _web_socket() -> type[asyncio.Protocol]:
+    from mavstack.http.web_socket import WebSocket  # servers without WebSockets do without the package
+
+    return WebSocket
 
 
 def _with_tls(

@@ -8,7 +8,7 @@ import json
 import pytest
 
 from mavstack.cli.firmware import command
-from mavstack.flashing import autopilot_board, backup, board_flasher, bootloader_port
+from mavstack.flashing import FlashingRefused, autopilot_board, backup, board_flasher, bootloader_port
 from mavstack.flashing.json_container import make_container
 from mavstack.flashing.ports import PortInfo
 from mavstack.flashing.simulated_board import SimulatedBoard
@@ -95,6 +95,22 @@ def test_flash(mav, board, files) -> None:
     result = mav("firmware", "flash", str(files / "right.px4"), "--json")
     found = json.loads(result.out)
     assert (found["port"], found["written"], found["parameters"]["failed"]) == (PORT, 3004, [])
+
+
+def test_both_radios_are_checked_before_the_first_is_erased(mav, files, monkeypatch) -> None:
+    calls = []
+
+    async def flash(firmware, port, options):
+        calls.append((port, options.dry_run))
+        if port.endswith("1"):
+            raise FlashingRefused(f"flashing {port} failed: the firmware is for another radio")
+
+    monkeypatch.setattr(command, "flash_firmware", flash)
+    monkeypatch.setattr(command, "has_modem_manager", lambda: False)
+    ports = ("--port", "/dev/ttyUSB0", "--port", "/dev/ttyUSB1")
+    result = mav("firmware", "flash", str(files / "right.px4"), *ports)
+    assert (result.code, result.err.count("\n")) == (1, 1)
+    assert calls == [("/dev/ttyUSB0", True), ("/dev/ttyUSB1", True)]
 
 
 def test_refusals_are_one_line(mav, board, files, monkeypatch) -> None:

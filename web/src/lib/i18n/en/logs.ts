@@ -21,6 +21,7 @@ export const logs = {
   list: 'List them',
   listHint: 'The list is read from the vehicle when you ask for it.',
   noVehicle: 'No vehicle is connected.',
+  noDownload: 'This vehicle transfers no logs.',
   noneOnVehicle: 'The vehicle has no logs.',
   id: 'Log',
   downloading: 'Log {id}: {percent} %',

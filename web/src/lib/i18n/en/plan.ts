@@ -129,6 +129,7 @@ export const plan = {
   cleared: '{kind} cleared on the vehicle',
   clearHint: 'Removes the {kind} from the vehicle; the plan on the page stays.',
   noVehicle: 'Connect a vehicle to upload or download.',
+  noPlans: 'This vehicle has no missions, fences or rally points.',
   unsupported: 'This vehicle has no {kind}.',
   currentItem: 'current',
   unsaved: 'Replace the plan?',

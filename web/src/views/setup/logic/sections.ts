@@ -119,6 +119,13 @@ const AXIS_NAMES: Readonly<Record<TunedAxis, { ardupilot: string; servo: string;
   yaw: { ardupilot: 'YAW', servo: 'YAW2SRV', plane: 'Y', whole: 'YAW' },
 };
 
+/** Rates of Betaflight and iNav whose names have no axis, or another order. */
+const MSP_RATES: Readonly<Record<TunedAxis, readonly RegExp[]>> = {
+  roll: [/^BF_RC_(RATE|EXPO)$/, /^BF_RATE_RC_(RATE|EXPO)$/, /^INAV_MAN_EXPO$/],
+  pitch: [/^BF_RC_EXPO$/, /^BF_RATE_RC_EXPO$/, /^INAV_MAN_EXPO$/],
+  yaw: [/^BF_RC_YAW_EXPO$/],
+};
+
 /** Returns the parameters that decide how a vehicle follows its set-points about an axis. */
 export function tuningGroups(axis: TunedAxis): readonly Group[] {
   const { ardupilot, servo, plane, whole } = AXIS_NAMES[axis];
@@ -129,17 +136,27 @@ export function tuningGroups(axis: TunedAxis): readonly Group[] {
       new RegExp(`^(Q_A|ATC)_RAT_${ardupilot}_(P|I|D|FF|D_FF|IMAX|SMAX|PDMX)$`),
       new RegExp(`^(${servo}|${ardupilot === 'PIT' ? 'PTCH' : ardupilot}_RATE)_`),
       new RegExp(`^MC_${whole}RATE_[PIDK]$|^MC_${whole}RATE_FF$|^FW_${plane}R_(P|I|D|FF|IMAX)$`),
-      new RegExp(`^(BF|INAV)_[PIDF]_${whole}$|^INAV_(MC|FW)_[PID]_${whole}$|^BF_D_MIN_${whole}$`),
+      new RegExp(`^BF_PID_${whole}_[PIDF]$|^BF_D_MIN_${whole}$`),
       ...(axis === 'yaw' ? [/^ATC_STR_RAT_/] : []),
     ),
-    group('groupAngleLoop', new RegExp(`^(Q_A|ATC)_ANG_${ardupilot}_P$|^MC_${whole}_P$|^FW_${plane}_(TC|RMAX)$`)),
+    group(
+      'groupAngleLoop',
+      new RegExp(`^(Q_A|ATC)_ANG_${ardupilot}_P$|^MC_${whole}_P$|^FW_${plane}_(TC|RMAX)$`),
+      ...(axis === 'yaw' ? [] : [/^BF_PID_LEVEL_[PIDF]$/]),
+    ),
     group(
       'groupPilotRates',
       new RegExp(`^ACRO_${acro}_|^MC_ACRO_${plane}_MAX$|^MC_${whole}RATE_MAX$`),
       new RegExp(`^(Q_A|ATC)_(ACCEL|RATE)_${plane}_MAX$`),
-      new RegExp(`^BF_${whole}_(RC_RATE|EXPO|SRATE|RATE_LIMIT)$|^INAV_(MC_)?${whole}_RATE$`),
+      new RegExp(`^BF_${whole}_(RC_RATE|RATE|EXPO|RATE?_LIM)$|^BF_RATE_${whole}$|^INAV_MAN_${whole}(_EXP)?$`),
+      ...MSP_RATES[axis],
     ),
-    group('groupFilters', new RegExp(`^(Q_A|ATC)_RAT_${ardupilot}_FLT[TED]$`), /^INS_GYRO_FILTER$/),
+    group(
+      'groupFilters',
+      new RegExp(`^(Q_A|ATC)_RAT_${ardupilot}_FLT[TED]$`),
+      /^INS_GYRO_FILTER$/,
+      /^BF_(GYRO|DTERM)_LPF[12]_HZ$/,
+    ),
   ];
 }
 
