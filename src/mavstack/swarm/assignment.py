@@ -69,12 +69,12 @@ def _common_direction(points: Points) -> Points | None:
     """Return the direction of the line on which all points are, from the first one; None: on none."""
     apart = points - points[:1]
     lengths = np.linalg.norm(apart, axis=1)
-    longest = float(lengths.max(initial=0.0))
-    if longest == 0.0:
+    length = float(lengths.max(initial=0.0))
+    if length == 0.0:
         return np.zeros(3)
-    direction: Points = apart[lengths.argmax()] / longest
+    direction: Points = apart[lengths.argmax()] / length
     beside = apart - np.outer(apart @ direction, direction)
-    return direction if np.abs(beside).max() <= _LINE_TOLERANCE * longest else None
+    return direction if np.abs(beside).max() <= _LINE_TOLERANCE * length else None
 
 
 def _sorted_along(direction: Points, starts: Points, slots: Points) -> Indices:
