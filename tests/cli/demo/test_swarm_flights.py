@@ -21,6 +21,7 @@ def test_the_show_keeps_its_distances_and_limits():
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(600)  # a minute and more of processor time
 def test_a_formation_a_show_and_a_search_are_flown(mav):
     result = mav("demo", "--swarm", "--for", "330", "--json")
     assert (result.code, result.err) == (0, "")

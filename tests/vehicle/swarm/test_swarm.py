@@ -175,6 +175,27 @@ def test_stop_ends_the_call_that_waits():
 
 
 @pytest.mark.flight
+def test_a_program_that_is_cancelled_ends_so_though_its_vehicles_answer_no_more():
+    async def scenario(world, _vehicle):
+        await launch(world, 2)
+
+        async def move():
+            async with world.node.swarm() as swarm:
+                await swarm.move(north=500)
+
+        moving = asyncio.create_task(move())
+        await asyncio.sleep(10)
+        for each in world.simulation.vehicles:
+            each.cut_off = True
+        moving.cancel()
+        async with asyncio.timeout(60):
+            with pytest.raises(asyncio.CancelledError):
+                await moving
+
+    fly(COPTERS[:2], scenario)
+
+
+@pytest.mark.flight
 @pytest.mark.nightly
 def test_the_program_of_the_guide_runs(capsys):
     (block,) = (each for each in BLOCKS if each.page == "guides/swarms.md" and "def fly_wedge" in each.text)

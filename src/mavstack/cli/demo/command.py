@@ -93,8 +93,8 @@ async def _demo(arguments: Namespace) -> int:
 
     dialect = Dialect.load("all")
     simulation, fleet, network = Simulation(seed=arguments.seed), FleetState(dialect), MemoryNetwork()
-    drone = None if arguments.swarm else add_racing_drone(simulation)
     vehicles = add_swarm(simulation) if arguments.swarm else add_vehicles(simulation)
+    drone = None if arguments.swarm else add_racing_drone(simulation)
     async with Runner(simulation, speed=arguments.speed) as runner:
         await runner.connect(network.link(), vehicles)
         urls = with_link_options(arguments.out, arguments)

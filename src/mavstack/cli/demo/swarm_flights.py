@@ -11,6 +11,7 @@ from mavstack.errors import MavstackError
 from mavstack.geodesy import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.swarm.search.missions import MissionOptions
+from mavstack.swarm.separation import import_libraries
 from mavstack.swarm.shows.show import Curve, Show, ShowVehicle, Trajectory
 from mavstack.vehicle import connect
 from mavstack.vehicle.swarm.launch import take_off
@@ -39,6 +40,7 @@ _ARCS: Final = 8
 
 def add_swarm(simulation: Simulation) -> list[SimulatedVehicle]:
     """Add the copters to a simulation, side by side."""
+    import_libraries()  # in a thread during the flight, simulated time would pass meanwhile
     frame = LocalFrame(DEFAULT_HOME.latitude, DEFAULT_HOME.longitude, DEFAULT_HOME.altitude)
     vehicles = []
     for index in range(COUNT):

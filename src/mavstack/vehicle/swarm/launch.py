@@ -33,7 +33,7 @@ async def take_off(
     heights = {vehicle: altitude + index * layer_spacing for index, vehicle in enumerate(group)}
 
     async def launch(vehicle: Vehicle) -> None:
-        if vehicle.in_air:
+        if vehicle.in_air and vehicle.armed:  # just after a landing it may still say that it flies
             return
         if not vehicle.armed:
             await vehicle.arm(timeout=timeout)

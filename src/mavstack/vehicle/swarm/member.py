@@ -57,11 +57,16 @@ class Member:
             await session.__aenter__()
         self._session = session
 
-    async def leave(self) -> None:
-        """Let the vehicle hold where it is, and send no more setpoints."""
+    async def leave(self, ended_by: BaseException | None) -> None:
+        """Let the vehicle hold where it is, and send no more setpoints.
+
+        Args:
+            ended_by: The error that ended the flight of the swarm, which is raised instead of a refusal.
+        """
         session, self._session = self._session, None
         if session is not None:
-            await session.__aexit__(type(self.error) if self.error else None, self.error, None)
+            error = self.error or ended_by
+            await session.__aexit__(type(error) if error else None, error, None)
 
     def take_over(self) -> None:
         """End the stream of the session, since the fleet sends the setpoints."""

@@ -75,8 +75,8 @@ class Swarm(ReadOnly):
         members = [Member(vehicle) for vehicle in self._vehicles]
         try:
             await asyncio.gather(*(member.enter() for member in members))
-        except BaseException:
-            await _leave(members)
+        except BaseException as error:
+            await _leave(members, error)
             raise
         self._fleet = fleet = Fleet(members, self._frame())
         fleet.open()
@@ -96,7 +96,7 @@ class Swarm(ReadOnly):
         finally:
             if self._fleet is not None:
                 self._fleet.close()
-            await _leave(controller.members)
+            await _leave(controller.members, error)
 
     @property
     def vehicles(self) -> tuple[Vehicle, ...]:
@@ -388,13 +388,11 @@ class Swarm(ReadOnly):
             raise GroupError(name, errors, len(outcomes))
 
 
-async def _leave(members: Iterable[Member]) -> None:
-    """Let all members hold; what one refuses keeps no other from it."""
-    outcomes = await asyncio.gather(*(member.leave() for member in members), return_exceptions=True)
-    errors = {
-        each.vehicle.system: error
-        for each, error in zip(members, outcomes, strict=False)
-        if isinstance(error, Exception)
-    }
-    if errors:
+async def _leave(members: Iterable[Member], ended_by: BaseException | None) -> None:
+    """Let all members hold; what one refuses keeps no other from it, and replaces no other error."""
+    leaving = (member.leave(ended_by) for member in members)
+    outcomes = await asyncio.gather(*leaving, return_exceptions=True)
+    ended = zip(members, outcomes, strict=False)
+    errors = {each.vehicle.system: outcome for each, outcome in ended if isinstance(outcome, Exception)}
+    if errors and ended_by is None:
         raise GroupError("holding after the swarm", errors, len(outcomes))
