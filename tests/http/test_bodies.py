@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from starlette.requests import Request
 
-from mavstack.http.bodies import RefusedError, parse_json, read_json_object
+from mavstack.http.bodies import RefusedError, has_body, parse_json, read_json_object
 
 
 def request(body, content_type="application/json"):
@@ -46,3 +46,17 @@ def test_numbers_that_are_not_json():
 def test_halves_of_surrogate_pairs_are_refused(text):
     assert parse_json(text) is None
     assert parse_json(r'"\ud83d\ude80"') == "\N{ROCKET}"
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ([], False),
+        ([(b"content-length", b"0")], False),
+        ([(b"content-length", b" 00 ")], False),
+        ([(b"content-length", b"20")], True),
+        ([(b"transfer-encoding", b"chunked")], True),
+    ],
+)
+def test_a_head_reports_whether_there_is_a_body(fields, expected):
+    assert has_body({"headers": fields}) is expected

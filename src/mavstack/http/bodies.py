@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from starlette.requests import Request
+    from starlette.types import Scope
 
 #: The largest JSON body in bytes, unless a route allows a larger one.
 MAX_BODY: Final = 1 << 16
@@ -26,6 +27,12 @@ class RefusedError(Exception):
     def __init__(self, status: int, problem: str) -> None:
         super().__init__(problem)
         self.status = status
+
+
+def has_body(scope: Scope) -> bool:
+    """Return whether a request has a body, by the fields of its head."""
+    headers = dict(scope["headers"])
+    return b"transfer-encoding" in headers or headers.get(b"content-length", b"0").strip(b" 0") != b""
 
 
 async def read_bytes(request: Request, max_size: int = MAX_BODY) -> bytes:

@@ -20,6 +20,7 @@ from contextvars import ContextVar
 from time import monotonic
 from typing import TYPE_CHECKING, Final
 
+from mavstack.http.bodies import has_body
 from mavstack.http.early_answers import read_request
 from mavstack.http.idle_timer import IdleTimer
 from mavstack.http.request_lane import RequestLane, has_whole_head, read_head
@@ -303,7 +304,7 @@ class Connection(asyncio.Protocol):
         self._answering += 1
         self._idle.end()
         self._server_has_part = False
-        self._awaits_head, self._awaits_body = False, _has_body(scope)
+        self._awaits_head, self._awaits_body = False, has_body(scope)
         self._watch_request()
         # a request directly behind another one has not waited yet
         if not has_turn and self.proof is not Proof.AUTHENTICATED:
@@ -378,12 +379,6 @@ class Connection(asyncio.Protocol):
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None
-
-
-def _has_body(scope: Scope) -> bool:
-    """Return whether a request has a body."""
-    headers = dict(scope["headers"])
-    return b"transfer-encoding" in headers or headers.get(b"content-length", b"0").strip(b" 0") != b""
 
 
 def connection_factory(

@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from mavstack.errors import MavstackError
-from mavstack.http.bodies import RefusedError, read_bytes, read_json_object
+from mavstack.http.bodies import RefusedError, has_body, read_bytes, read_json_object
 from mavstack.http.connections import mark_client
 from mavstack.http.request_fields import read_fields, read_query
 from mavstack.http.routes import NoFields
@@ -117,9 +117,8 @@ async def _read_body(route: AnyRoute, request: Request) -> tuple[Fields | None, 
         return None, await read_bytes(request, route.max_body)
     if route.body is None:
         return None, b""
-    has_body = request.headers.get("content-length", "0") != "0" or "transfer-encoding" in request.headers
     is_needed = any(each.required for each in struct_fields(route.body))
-    values = await read_json_object(request, route.max_body) if has_body or is_needed else {}
+    values = await read_json_object(request, route.max_body) if is_needed or has_body(request.scope) else {}
     return read_fields(route.body, values), b""
 
 
