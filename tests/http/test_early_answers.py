@@ -44,6 +44,7 @@ def test_an_ordinary_request_is_read() -> None:
         HEAD.replace(b"X-Empty:", b"X-Text: a\rb"),
         HEAD + b"GET",
         HEAD[:-2],
+        HEAD.replace(b"X-Empty:", b"X-Long: " + b"x" * 4096),
         b"",
     ],
 )

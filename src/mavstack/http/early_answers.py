@@ -27,6 +27,8 @@ _UNUSUAL: Final = frozenset(
 )
 #: Number of heads whose reading is remembered: a client that asks again sends the same one.
 _REMEMBERED: Final = 64
+#: The longest head in bytes that is read here, so that remembered ones take little memory.
+_MAX_HEAD: Final = 4096
 
 
 class EarlyRequest(NamedTuple):
@@ -40,9 +42,13 @@ class EarlyRequest(NamedTuple):
 EarlyAnswer: TypeAlias = "Callable[[EarlyRequest], bytes | None]"
 
 
-@lru_cache(_REMEMBERED)
 def read_request(data: bytes) -> EarlyRequest | None:
     """Return a request that consists of these bytes, if it is an ordinary one."""
+    return _read(data) if len(data) <= _MAX_HEAD else None
+
+
+@lru_cache(_REMEMBERED)
+def _read(data: bytes) -> EarlyRequest | None:
     found = _HEAD.fullmatch(data)
     if found is None:
         return None

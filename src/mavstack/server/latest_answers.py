@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from mavstack.server.access import Access
     from mavstack.server.station import Station
 
-_PATH: Final = re.compile(r"/api/vehicles/([1-9][0-9]{0,2})/messages/([A-Za-z0-9_]{1,60})")
 _BEGIN: Final = "/api/vehicles/"
+_PATH: Final = re.compile(_BEGIN + r"([1-9][0-9]{0,2})/messages/([A-Za-z0-9_]{1,60})")
 #: Maximum number of paths that are remembered.
 _MAX_PLACES: Final = 1024
 

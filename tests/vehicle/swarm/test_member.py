@@ -19,14 +19,15 @@ class Session:
 
     def __init__(self, errors, entering=None):
         self.errors, self.entering = list(errors), entering
-        self.streams = True
+        self.streams, self.ended_by = True, None
 
     async def __aenter__(self):
         if self.entering is not None:
             raise self.entering
 
-    async def __aexit__(self, *_):
-        self.streams = False
+    async def __aexit__(self, kind, error, trace):
+        assert kind is (None if error is None else type(error))
+        self.streams, self.ended_by = False, error
 
     def check(self):
         error = self.errors.pop(0) if self.errors else None
@@ -123,3 +124,25 @@ def test_the_stream_of_the_session_ends_when_the_fleet_sends():
         assert not session.streams
 
     run_virtually(scenario())
+
+
+@pytest.mark.parametrize(
+    ("own", "of_the_swarm", "expected"),
+    [
+        (None, None, None),
+        (None, ValueError(), ValueError),
+        (ActionInterrupted, ValueError(), ActionInterrupted),
+    ],
+)
+def test_a_session_ends_by_the_error_of_its_member_or_else_of_the_swarm(own, of_the_swarm, expected):
+    session = Session([])
+    member, _ = member_of(session)
+
+    async def scenario():
+        await member.enter()
+        if own is not None:
+            member.error = own("guided flight", "1/1")
+        await member.leave(of_the_swarm)
+
+    run_virtually(scenario())
+    assert (session.ended_by and type(session.ended_by)) is expected
