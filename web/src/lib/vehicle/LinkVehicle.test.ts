@@ -282,7 +282,6 @@ describe('capabilities', () => {
       params: true,
       mission: true,
       fence: true,
-      ftp: false,
       takeoff: true,
       vtol: false,
       msp: false,

@@ -12,11 +12,8 @@ export interface Capabilities {
   readonly mission: Capability;
   readonly fence: Capability;
   readonly rally: Capability;
-  readonly ftp: Capability;
   readonly logs: Capability;
   readonly shell: Capability;
-  readonly events: Capability;
-  readonly setpoints: Capability;
   readonly takeoff: Capability;
   readonly goto: Capability;
   readonly orbit: Capability;
@@ -55,11 +52,8 @@ export const UNKNOWN_CAPABILITIES: Capabilities = {
   mission: null,
   fence: null,
   rally: null,
-  ftp: null,
   logs: null,
   shell: null,
-  events: null,
-  setpoints: null,
   takeoff: null,
   goto: null,
   orbit: null,
@@ -115,7 +109,6 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     relays: true,
     actuators: false,
     shell: false,
-    events: false,
     manualControl: true,
     msp: false,
   },
@@ -138,11 +131,8 @@ const FIRMWARE: Readonly<Record<VehicleState['firmware'], Partial<Capabilities>>
     params: true,
     fence: false,
     rally: false,
-    ftp: false,
     logs: false,
     shell: false,
-    events: false,
-    setpoints: false,
     takeoff: false,
     goto: false,
     orbit: false,
@@ -183,10 +173,8 @@ export function capabilitiesFrom(
   return {
     ...UNKNOWN_CAPABILITIES,
     mission: flag(MavProtocolCapability.MISSION_INT),
-    ftp: flag(MavProtocolCapability.FTP),
     fence: flag(MavProtocolCapability.MISSION_FENCE),
     rally: flag(MavProtocolCapability.MISSION_RALLY),
-    setpoints: flag(MavProtocolCapability.SET_POSITION_TARGET_LOCAL_NED),
     terminate: flag(MavProtocolCapability.FLIGHT_TERMINATION),
     takeoff: !isGround && type !== 'sub',
     goto: true,
