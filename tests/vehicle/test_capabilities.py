@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import re
+from operator import attrgetter
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import CalibrationKind
+from mavstack.vehicle.capabilities import Capabilities
 from tests.vehicle.peers import AUTOPILOT, TYPE, run_scenario
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
@@ -127,3 +130,16 @@ def test_only_a_build_with_its_parameters_has_sources_of_the_estimator():
         assert vehicle.capabilities.ekf_sources is True
 
     fly((VehicleType.COPTER, ARDUPILOT), scenario)
+
+
+def test_each_capability_names_the_call_behind_it():
+    async def scenario(world, vehicle):
+        documented = dict(re.findall(r"^ {8}(\w+): (.*)", Capabilities.__doc__ or "", re.MULTILINE))
+        assert set(documented) == set(Capabilities.__slots__)
+        calls = {name: re.search(r": `([\w.]+)`", text) for name, text in documented.items()}
+        for call in filter(None, calls.values()):
+            assert attrgetter(call[1])(vehicle) is not None, call[0]
+        # These are about the settings of a flight controller and about its board.
+        assert {name for name, call in calls.items() if call is None} == {"osd", "vtx", "flashing"}
+
+    fly((VehicleType.COPTER, PX4), scenario, payloads=True)

@@ -44,7 +44,7 @@ class Capabilities:
 
     Attributes:
         parameters: Parameters can be read and set: `params`.
-        extended_parameters: A component of the vehicle has extended parameters, as cameras have.
+        extended_parameters: A component has extended parameters, as cameras have: `component.extended_params`.
         mission: Missions can be transferred: `mission`.
         fence: Geofences can be transferred: `fence`.
         rally: Rally points can be transferred: `rally`.
@@ -57,12 +57,12 @@ class Capabilities:
         orbit: The vehicle circles locations: `orbit`.
         roi: The vehicle points at locations: `roi`.
         home: The home position can be set: `set_home`.
-        manual_control: The vehicle takes the sticks of a ground station: MANUAL_CONTROL.
+        manual_control: The vehicle takes the sticks of a ground station: `component.manual_control`.
         setpoints: The vehicle follows setpoints of its position: `guided`.
-        attitude_setpoints: The vehicle follows setpoints of its attitude.
-        command_int: Commands may be sent as COMMAND_INT.
-        mavlink2: The vehicle speaks MAVLink 2, which signing needs.
-        terrain: The vehicle asks for terrain data.
+        attitude_setpoints: The vehicle follows setpoints of its attitude: `guided`.
+        command_int: Commands may be sent as COMMAND_INT: `command` with a frame.
+        mavlink2: The vehicle speaks MAVLink 2, which signing needs: `component.setup_signing`.
+        terrain: The vehicle asks for terrain data: `terrain`.
         termination: The flight can be terminated: `terminate`.
         vtol: The vehicle hovers and flies on a wing: `transition_to_fixed_wing`.
         servos: Servo outputs can be set: `actuators.set_servo`.
@@ -77,8 +77,8 @@ class Capabilities:
         vtx: There is a video transmitter that the vehicle controls.
         flashing: The firmware can be replaced over USB by its bootloader.
         calibrations: The kinds of calibrations: `calibration`.
-        cameras: The ids of cameras, as `Vehicle.camera` takes them.
-        gimbals: The component ids of gimbals and gimbal managers.
+        cameras: The ids of cameras: `camera`.
+        gimbals: The component ids of gimbals and gimbal managers: `find_gimbals`.
     """
 
     parameters: bool | None = None
