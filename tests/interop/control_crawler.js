@@ -5,7 +5,7 @@
   const MAX_ATTEMPTS = 2
   const LONG_LIST = 12
   const MAX_ROUNDS = 6
-  const MAX_TURNS = 12
+  const MAX_SETTLING = 2000
   const FRAME = 150
   const text = each => (each?.textContent ?? '').trim().replace(/\s+/g, ' ')
   const nameOf = each => {
@@ -30,8 +30,8 @@
   const isOpen = each => each.getAttribute('aria-expanded') === 'true' || (each.localName === 'summary' && each.parentElement.open)
   // A click on what is already chosen changes nothing.
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
-  // A control that is used again comes after the new ones of its kind, which it may remove.
-  const rank = each => (LAST.test(nameOf(each)) ? 6 : isOpener(each) ? 4 : each.matches('button, a') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
+  // A choice may remove other fields. A control that is used again comes after the new ones of its kind.
+  const rank = each => (LAST.test(nameOf(each)) ? 8 : isOpener(each) ? 6 : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
   const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set()
@@ -58,6 +58,24 @@
     requests += 1
     return watched.apply(this, values).finally(() => { requests -= 1 })
   }
+  // Long calls follow their task by events; flights are followed for longer than an action waits.
+  const { EventSource: Followed } = window
+  window.EventSource = class extends Followed {
+    constructor (...values) {
+      super(...values)
+      requests += 1
+      this.timer = later(() => this.count(), MAX_SETTLING)
+    }
+    count () {
+      if (this.timer !== null) requests -= 1
+      cancel(this.timer)
+      this.timer = null
+    }
+    close () {
+      super.close()
+      later(() => this.count(), FRAME)
+    }
+  }
   // Instruments that are drawn sixty times a second cost more than all actions.
   const frames = new Map()
   window.requestAnimationFrame = callback => {
@@ -83,7 +101,9 @@
     }
   }
   const settle = async () => {
-    for (let turn = 0; turn < MAX_TURNS && (turn === 0 || requests > 0); turn += 1) await new Promise(done => draw(() => later(done, 10)))
+    const end = performance.now() + MAX_SETTLING
+    do await new Promise(done => draw(() => later(done, 10)))
+    while (requests > 0 && performance.now() < end)
   }
   addEventListener('hashchange', effect)
   new MutationObserver(records => { if (isArmed) effects += records.length }).observe(document, {

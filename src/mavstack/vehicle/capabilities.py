@@ -44,7 +44,7 @@ class Capabilities:
 
     Attributes:
         parameters: Parameters can be read and set: `params`.
-        extended_parameters: A component has extended parameters, as cameras have: `component.extended_params`.
+        extended_parameters: A component has extended parameters: `component.extended_params`.
         mission: Missions can be transferred: `mission`.
         fence: Geofences can be transferred: `fence`.
         rally: Rally points can be transferred: `rally`.
