@@ -1,8 +1,12 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from mavstack.server.client_queue import ClientQueue, stream_texts
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 async def test_the_oldest_data_is_dropped_and_counted() -> None:
@@ -48,3 +52,40 @@ async def test_the_number_of_drops_comes_before_the_next_text() -> None:
     assert [await anext(texts), await anext(texts)] == ['{"dropped": 2}', "six"]
     queue.put("ten")
     assert await anext(texts) == "ten"
+
+
+async def test_data_for_a_client_that_keeps_up_is_written_at_once_and_in_order() -> None:
+    sent: list[str | bytes] = []
+    ready = True
+
+    def write_now(items: Sequence[str | bytes]) -> bool:
+        if ready:
+            sent.extend(items)
+        return ready
+
+    async def send() -> None:
+        async for text in queue.stream():
+            sent.append(text)  # noqa: PERF401 (it has no end)
+
+    queue: ClientQueue[str] = ClientQueue(100, write_now)
+    queue.put("1")  # there is no reader yet
+    sender = asyncio.create_task(send())
+    await asyncio.sleep(0)
+    queue.put("2")  # the reader has not come back
+    for _ in range(5):
+        await asyncio.sleep(0)
+    assert sent == ["1", "2"]
+    queue.put("3")
+    queue.put_all(["4", "5"])
+    assert sent == ["1", "2", "3", "4", "5"]
+    ready = False
+    queue.put_all(["6", "7"])
+    ready = True
+    queue.put("8")
+    assert sent[5:] == []
+    for _ in range(9):
+        await asyncio.sleep(0)
+    assert sent[5:] == ["6", "7", "8"]
+    queue.put_all([])
+    assert len(sent) == 8
+    sender.cancel()

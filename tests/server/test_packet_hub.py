@@ -70,6 +70,24 @@ def test_packets_after_a_pause_are_handed_on_at_once(clients: int) -> None:
     assert packets == (1,) * 5
 
 
+def test_a_packet_after_a_pause_waits_for_no_turn_of_the_loop() -> None:
+    client = Client()
+
+    async def run() -> None:
+        connection: Any = Connection()
+        hub = PacketHub(connection)
+        hub.open()
+        hub.clients.add(client)
+        await asyncio.sleep(1)
+        for _ in range(3):
+            connection.receive(PACKET)
+        assert [packets for _, packets in client.batches] == [1]
+        await asyncio.sleep(1)
+        assert [packets for _, packets in client.batches] == [1, 2]
+
+    run_virtually(run())
+
+
 @pytest.mark.parametrize(("clients", "interval"), [(1, MIN_INTERVAL), (10, 0.01), (100, MAX_INTERVAL)])
 def test_packets_that_follow_closely_are_handed_on_together(clients: int, interval: float) -> None:
     found = batches(clients, 0.0005, 2000)

@@ -1,6 +1,7 @@
 """The bounded queue of one client of a WebSocket.
 
 A client that reads too slowly loses the oldest data of its own queue, counted in packets; it delays no other.
+Data for a client that keeps up does not wait for the task that sends: it goes out at once if its server can.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Sequence
+
+    from mavstack.http.immediate_writes import WriteNow
 
 Data = TypeVar("Data", str, bytes)
 
@@ -21,10 +24,13 @@ class ClientQueue(Generic[Data]):
 
     Args:
         max_size: Characters or bytes that wait at most.
+        write_now: Writes to the client at once; None: the task that reads the queue sends all data.
     """
 
-    def __init__(self, max_size: int) -> None:
+    def __init__(self, max_size: int, write_now: WriteNow | None = None) -> None:
         self._max_size = max_size
+        self._write_now = write_now
+        self._reader_waits = False  # all data is sent, and the reader waits for more
         self._size = 0
         self._items: deque[tuple[Data, int]] = deque()
         self._wakeup = asyncio.Event()
@@ -32,7 +38,22 @@ class ClientQueue(Generic[Data]):
         self.dropped = 0
 
     def put(self, data: Data, packets: int = 1) -> None:
-        """Queue data that holds a number of packets; drop the oldest data if the queue is full."""
+        """Send data that holds a number of packets, or queue it and drop the oldest data if it is full."""
+        if not self._sends((data,)):
+            self._append(data, packets)
+
+    def put_all(self, items: Sequence[Data]) -> None:
+        """Send items that hold one packet each, or queue them likewise."""
+        if items and not self._sends(items):
+            for item in items:
+                self._append(item, 1)
+
+    def _sends(self, items: Sequence[Data]) -> bool:
+        """Send items at once if nothing is before them; return whether that was done."""
+        return self._reader_waits and self._write_now is not None and self._write_now(items)
+
+    def _append(self, data: Data, packets: int) -> None:
+        self._reader_waits = False
         self._items.append((data, packets))
         self._size += len(data)
         while self._size > self._max_size and len(self._items) > 1:
@@ -45,6 +66,7 @@ class ClientQueue(Generic[Data]):
         """Return the oldest data; wait until there is some."""
         while not self._items:
             self._wakeup.clear()
+            self._reader_waits = True
             await self._wakeup.wait()
         data, _ = self._items.popleft()
         self._size -= len(data)

@@ -20,6 +20,7 @@ from msgspec import Meta
 
 from mavstack.errors import MavstackError
 from mavstack.http.bodies import RefusedError, parse_json
+from mavstack.http.immediate_writes import immediate_writer
 from mavstack.http.request_fields import Fields, read_fields
 from mavstack.security.roles import Role
 from mavstack.server.client_queue import ClientQueue, stream_texts
@@ -77,7 +78,8 @@ class JsonClient:
     """One client."""
 
     def __init__(self, station: Station, websocket: WebSocket, role: Role) -> None:
-        self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE)
+        write_now = None if role is Role.OBSERVE else immediate_writer(websocket)
+        self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE, write_now)
         self._station = station
         self._connection = station.connection
         self._websocket = websocket
@@ -85,10 +87,10 @@ class JsonClient:
         self._subscriptions = Subscriptions()
 
     def put(self, batch: Batch) -> None:
-        """Queue the messages of a batch that the client wants."""
-        for index, (packet, time) in enumerate(batch.packets):
-            if self._subscriptions.wants(packet, time):
-                self.queue.put(batch.text(index))
+        """Send or queue the messages of a batch that the client wants."""
+        wants = self._subscriptions.wants
+        wanted = [index for index, (packet, time) in enumerate(batch.packets) if wants(packet, time)]
+        self.queue.put_all([batch.text(index) for index in wanted])
 
     async def send(self) -> None:
         """Send what is queued, until the task is cancelled."""

@@ -52,7 +52,7 @@ class BatchClient(Protocol):
     """A client that is handed batches; it must not block."""
 
     def put(self, batch: Batch) -> None:
-        """Queue a batch, or drop it and count its packets."""
+        """Send or queue a batch, or drop it and count its packets."""
 
 
 class PacketHub:
@@ -91,7 +91,11 @@ class PacketHub:
         if self._timer is None:
             loop = asyncio.get_running_loop()
             interval = min(max(len(self.clients) * CLIENT_INTERVAL, MIN_INTERVAL), MAX_INTERVAL)
-            self._timer = loop.call_at(max(self._flushed_at + interval, loop.time()), self._flush)
+            due = self._flushed_at + interval
+            if due <= loop.time():
+                self._flush()
+            else:
+                self._timer = loop.call_at(due, self._flush)
 
     def _flush(self) -> None:
         self._timer, self._flushed_at = None, asyncio.get_running_loop().time()

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.http.immediate_writes import immediate_writer
 from mavstack.security.roles import Role, RoleFilter
 from mavstack.server.client_queue import ClientQueue
 from mavstack.server.sender_rules import SenderRules
@@ -43,7 +44,8 @@ class RawClient:
     """One client."""
 
     def __init__(self, station: Station, websocket: WebSocket, role: Role) -> None:
-        self.queue: ClientQueue[bytes] = ClientQueue(MAX_QUEUE)
+        write_now = None if role is Role.OBSERVE else immediate_writer(websocket)
+        self.queue: ClientQueue[bytes] = ClientQueue(MAX_QUEUE, write_now)
         self._connection = station.connection
         self._station = station
         self._role = role
@@ -55,7 +57,7 @@ class RawClient:
         )
 
     def put(self, batch: Batch) -> None:
-        """Queue the bytes of a batch."""
+        """Send or queue the bytes of a batch."""
         self.queue.put(batch.data, len(batch.packets))
 
     async def send(self) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.http.immediate_writes import immediate_writer
 from mavstack.server.client_queue import ClientQueue, stream_texts
 
 if TYPE_CHECKING:
@@ -28,13 +29,13 @@ class RowClient:
     """One client."""
 
     def __init__(self, hub: RowHub, websocket: WebSocket) -> None:
-        self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE)
+        self.queue: ClientQueue[str] = ClientQueue(MAX_QUEUE, immediate_writer(websocket))
         self._websocket = websocket
         for latest in hub.latest.values():
             self.put_row(latest.value)
 
     def put_row(self, value: dict[str, Any]) -> None:
-        """Queue a row."""
+        """Send or queue a row."""
         self.queue.put(json.dumps(value, separators=(",", ":")))
 
     async def send(self) -> None:
