@@ -7,6 +7,10 @@
   const MAX_ROUNDS = 6
   const MAX_SETTLING = 2000
   const FRAME = 150
+  // The rank of what may hide other controls.
+  const OPENER = 6
+  // Parts of a map on which an area is drawn.
+  const CORNERS = [[0.35, 0.4], [0.65, 0.4], [0.65, 0.6], [0.35, 0.6]]
   const text = each => (each?.textContent ?? '').trim().replace(/\s+/g, ' ')
   const nameOf = each => {
     const ids = each.getAttribute('aria-labelledby')
@@ -31,10 +35,10 @@
   // A click on what is already chosen changes nothing.
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
   // A choice may remove other fields. A control that is used again comes after the new ones of its kind.
-  const rank = each => (LAST.test(nameOf(each)) ? 8 : isOpener(each) ? 6 : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
+  const rank = each => (LAST.test(nameOf(each)) ? OPENER + 2 : isOpener(each) ? OPENER : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
-  const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set()
+  const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set(), drawnFor = new Set()
   let round = 0, usedBefore = -1, isStuck = false, last = null
   let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0, requests = 0, shown = new Set()
 
@@ -148,6 +152,17 @@
     cover = hit === null ? 'outside of the screen' : `${hit.localName}.${hit.className}`
     return hit !== null && (target.contains(hit) || hit.contains(target) || each.closest('label')?.contains(hit)) ? place : null
   }
+  // Places of a map to click on, once for all controls that wait for a place; null: none waits, or there is no map.
+  const placesFor = (scope, controls) => {
+    const waiting = controls.filter(each => !isEnabled(each) && !enabled.has(keyOf(each)) && !excluded.test(keyOf(each))).map(keyOf).join()
+    const canvas = [...scope.querySelectorAll('canvas.maplibregl-canvas')].find(isShown)
+    if (waiting === '' || canvas === undefined || drawnFor.has(waiting)) return null
+    drawnFor.add(waiting)
+    const { left, top, width, height } = canvas.getBoundingClientRect()
+    const places = CORNERS.map(([x, y]) => ({ x: left + x * width, y: top + y * height }))
+    const free = places.filter(({ x, y }) => document.elementFromPoint(x, y) === canvas)
+    return free.length > 0 ? free : null
+  }
   const choose = each => {
     const key = keyOf(each), place = placeOf(each)
     attempts.set(key, again.delete(key) ? 0 : (attempts.get(key) ?? 0) + 1)
@@ -181,7 +196,7 @@
     if (!each.matches('input, textarea') || each.type === 'file') return false
     if (each.type === 'color') return setValue(each, '#336699')
     if (each.type === 'search') return setValue(each, '1') && setValue(each, '')
-    if (STEPPED.has(each.type)) return setValue(each, each.value === each.max ? each.min || '0' : each.value || each.min || '1')
+    if (STEPPED.has(each.type)) return setValue(each, each.value === each.max ? each.min || '0' : Number(each.value) ? each.value : each.min || '1')
     return TEXTS.has(each.type) && setValue(each, each.value || '1')
   }
   const unused = () => [...enabled].filter(key => !used.has(key) && !problems.has(key) && !excluded.test(key))
@@ -199,7 +214,7 @@
       again.add(key)
       attempts.delete(key)
     }
-    for (let key of unused()) {
+    for (let key of isStuck ? [...unused(), ...idle()] : unused()) {
       // Where an opener does not bring a control back, the one that removed it may: a list with several modes.
       if (isStuck && removedBy.has(key)) {
         again.add(removedBy.get(key))
@@ -251,7 +266,10 @@
       shown = new Set(controls.filter(isEnabled).map(keyOf))
       for (const key of before) if (!shown.has(key) && last !== null && last !== key) removedBy.set(key, last)
       const wanted = controls.filter(isWanted)
-      if (wanted.length > 0) return choose(wanted.reduce((best, each) => rank(each) < rank(best) ? each : best))
+      const best = wanted.length > 0 ? wanted.reduce((first, each) => rank(each) < rank(first) ? each : first) : null
+      const places = best === null || rank(best) >= OPENER ? placesFor(scope, controls) : null
+      if (places !== null) return { action: 'map', key: '', places }
+      if (best !== null) return choose(best)
       if (isDialog) return { action: 'escape', key: 'dialog' }
       const opener = controls.find(each => isOpener(each) && isEnabled(each) && !isChosen(each) && !isOpen(each) && !excluded.test(keyOf(each)) && !reopened.has(keyOf(each)))
       if (opener === undefined) return nextRound()

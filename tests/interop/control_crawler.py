@@ -120,6 +120,10 @@ def _act(page: Any, control: dict[str, Any]) -> None:
         page.wait_for_timeout(ROUND_PAUSE)
     elif action == "hold":
         _hold(page, control)
+    elif action == "map":
+        for place in control["places"]:
+            page.mouse.click(place["x"], place["y"])
+            page.evaluate(_DRAWN)
 
 
 def _hold(page: Any, control: dict[str, Any]) -> None:
