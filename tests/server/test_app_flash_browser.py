@@ -1,7 +1,8 @@
-"""Flashing in the page by WebSerial: a stand-in port of simulated bootloaders and of a running autopilot."""
+"""Flashing in the page: by WebSerial, with a stand-in port of simulated boards, and by the station."""
 
 from __future__ import annotations
 
+import sys
 from contextlib import ExitStack
 from dataclasses import replace
 from random import Random
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 from mavstack.dialects import common
+from mavstack.flashing.background_board import BackgroundBoard
 from mavstack.flashing.bootloader_client import Op
 from mavstack.flashing.firmware_file import FirmwareKind
 from mavstack.flashing.json_container import make_container
@@ -196,3 +198,20 @@ def test_a_running_autopilot_is_asked_to_start_its_bootloader_unless_it_is_armed
     flash(page)
     playwright.expect(page.get_by_text("The firmware is on")).to_be_visible()
     assert board.bootloader.started
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo terminals")
+def test_a_board_at_a_port_of_the_station_is_checked_and_flashed(pages: Any) -> None:
+    url, new_page = pages
+    page = new_page(f"{url}#/setup", phone=True)
+    with BackgroundBoard("px4") as board:
+        page.get_by_label("Port of the station").fill(board.port)
+        file = {"name": "board.px4", "mimeType": "", "buffer": make_container(IMAGE, 50)}
+        page.get_by_label("File of the firmware").set_input_files(file)
+        page.get_by_role("button", name="Check only").click()
+        playwright.expect(page.get_by_text("nothing was changed")).to_be_visible()
+        assert not board.has_firmware
+        hold(page, page.get_by_role("button", name="Flash", exact=True), 2300)
+        playwright.expect(page.get_by_text("The firmware is on the board")).to_be_visible()
+        assert board.has_firmware
