@@ -1,7 +1,7 @@
 // Functions of a page under test: the next control to use, and the effects of the last one.
 (() => {
   const SELECTOR = 'button, input, select, textarea, a[href], summary, [role=option], [role=slider]'
-  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan)\b/i
+  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan|insert|finish)\b/i
   const MAX_ATTEMPTS = 2
   const LONG_LIST = 12
   const MAX_ROUNDS = 6
@@ -20,7 +20,7 @@
     return name.trim()
   }
   // Controls that differ in a number, in what is chosen, or in the name of a parameter or a message, count as one.
-  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'an item'], [/^(Functions of [^:]*): .*/, '$1']]
+  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'entry of a list'], [/^(Functions of [^:]*): .*/, '$1']]
   const general = name => ALIKE.reduce((short, [pattern, word]) => short.replace(pattern, word), name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#')).slice(0, 90)
   const kindOf = each => each.getAttribute('role') || (each.localName === 'input' ? each.type : each.localName)
   // The entries of a long list are alike.
@@ -39,7 +39,7 @@
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
   const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set(), drawnFor = new Set()
-  let round = 0, usedBefore = -1, isStuck = false, last = null
+  let round = 0, usedBefore = -1, isStuck = false, last = null, tool = null
   let excluded = /(?!)/, root = 'main', current = null, isArmed = false, effects = 0, requests = 0, shown = new Set()
 
   const effect = () => { if (isArmed) effects += 1 }
@@ -152,12 +152,15 @@
     cover = hit === null ? 'outside of the screen' : `${hit.localName}.${hit.className}`
     return hit !== null && (target.contains(hit) || hit.contains(target) || each.closest('label')?.contains(hit)) ? place : null
   }
-  // Places of a map to click on, once for all controls that wait for a place; null: none waits, or there is no map.
-  const placesFor = (scope, controls) => {
-    const waiting = controls.filter(each => !isEnabled(each) && !enabled.has(keyOf(each)) && !excluded.test(keyOf(each))).map(keyOf).join()
+  // Places of a map to click on, for the tool that was chosen, or once in a round for all controls that wait for a
+  // place; null: nothing waits, or there is no map.
+  const placesFor = (scope, controls, isLeaving) => {
+    const isTool = tool?.isConnected && tool.getAttribute('aria-pressed') === 'true'
+    const waiting = controls.filter(each => !isEnabled(each) && !enabled.has(keyOf(each)) && !excluded.test(keyOf(each)))
+    const reason = isTool ? `${round} ${keyOf(tool)}` : isLeaving && waiting.length > 0 ? `${round} ${waiting.map(keyOf)}` : null
     const canvas = [...scope.querySelectorAll('canvas.maplibregl-canvas')].find(isShown)
-    if (waiting === '' || canvas === undefined || drawnFor.has(waiting)) return null
-    drawnFor.add(waiting)
+    if (reason === null || canvas === undefined || drawnFor.has(reason)) return null
+    drawnFor.add(reason)
     const { left, top, width, height } = canvas.getBoundingClientRect()
     const places = CORNERS.map(([x, y]) => ({ x: left + x * width, y: top + y * height }))
     const free = places.filter(({ x, y }) => document.elementFromPoint(x, y) === canvas)
@@ -234,6 +237,7 @@
     const { control, key, wasChosen, isAgain } = current
     current = null
     last = key
+    tool = control
     const isButton = control.matches('button, a, summary, [role=option]')
     const isDead = isButton && !isAgain && used.has(key) && !wasChosen && effects === 0
     if (isDead) {
@@ -267,7 +271,7 @@
       for (const key of before) if (!shown.has(key) && last !== null && last !== key) removedBy.set(key, last)
       const wanted = controls.filter(isWanted)
       const best = wanted.length > 0 ? wanted.reduce((first, each) => rank(each) < rank(first) ? each : first) : null
-      const places = best === null || rank(best) >= OPENER ? placesFor(scope, controls) : null
+      const places = placesFor(scope, controls, best === null || rank(best) >= OPENER)
       if (places !== null) return { action: 'map', key: '', places }
       if (best !== null) return choose(best)
       if (isDialog) return { action: 'escape', key: 'dialog' }

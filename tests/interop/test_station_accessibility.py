@@ -35,6 +35,11 @@ VIOLATIONS = """async (rules) => {
   return violations
     .flatMap(({ id, nodes }) => nodes.map(({ target }) => `${id}: ${target.join(' ')}`))
 }"""
+#: Maps and instruments that are drawn sixty times a second take the time of the checks.
+SLOW_FRAMES = """
+requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 250)
+cancelAnimationFrame = clearTimeout
+"""
 #: Rules whose results depend on the theme.
 CONTRAST = ["color-contrast"]
 
@@ -78,6 +83,7 @@ def open_checked_page(browser: Any, url: str, ready: str) -> Any:
         pytest.skip("axe-core is not installed: npm ci in web")
     # Colours that change slowly would be measured half way.
     page = browser.new_context(bypass_csp=True, reduced_motion="reduce").new_page()
+    page.add_init_script(SLOW_FRAMES)
     page.goto(url)
     page.locator(ready).first.wait_for(timeout=PATIENT)
     page.add_script_tag(path=str(AXE))
