@@ -1,7 +1,9 @@
 // Functions of a page under test: the next control to use, and the effects of the last one.
 (() => {
   const SELECTOR = 'button, input, select, textarea, a[href], summary, [role=option], [role=slider]'
-  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan|insert|finish)\b/i
+  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan|insert|finish|replay)\b/i
+  // On a phone a list is hidden by what was chosen from it.
+  const BACK = /^All messages$/
   const MAX_ATTEMPTS = 2
   const LONG_LIST = 12
   const MAX_ROUNDS = 6
@@ -20,17 +22,17 @@
     return name.trim()
   }
   // Controls that differ in a number, in what is chosen, or in the name of a parameter or a message, count as one.
-  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/ \(#\)$/, ''], [/^# .* #.*/, 'entry of a list'], [/^(Functions of [^:]*): .*/, '$1']]
+  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/^#\/# .*/, 'a source'], [/ \(#\)$/, ''], [/^# .* #.*/, 'entry of a list'], [/^(Functions of [^:]*): .*/, '$1']]
   const general = name => ALIKE.reduce((short, [pattern, word]) => short.replace(pattern, word), name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#')).slice(0, 90)
   const kindOf = each => each.getAttribute('role') || (each.localName === 'input' ? each.type : each.localName)
   // The entries of a long list are alike.
-  const isEntry = each => each.matches('li *, [role=option], tr *') &&
-    (each.matches('[role=option]') ? each : each.closest('li, tr')).parentElement.childElementCount > LONG_LIST
+  const isEntry = each => each.matches('[role=option]') ||
+    (each.matches('li *, tr *') && each.closest('li, tr').parentElement.childElementCount > LONG_LIST)
   const keyOf = each => `${kindOf(each)}: ${isEntry(each) ? 'entry of a list' : general(nameOf(each))}`
   const isShown = each => each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) &&
     (each.getBoundingClientRect().width > 0 || each.closest('label'))
   const isEnabled = each => !each.matches(':disabled') && each.getAttribute('aria-disabled') !== 'true'
-  const isOpener = each => each.matches('[role=tab], [aria-expanded], nav *, summary')
+  const isOpener = each => each.matches('[role=tab], [aria-expanded], nav *, summary') || BACK.test(nameOf(each))
   const isOpen = each => each.getAttribute('aria-expanded') === 'true' || (each.localName === 'summary' && each.parentElement.open)
   // A click on what is already chosen changes nothing.
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
@@ -120,8 +122,8 @@
     const control = event.target instanceof Element ? event.target.closest(SELECTOR) : null
     if (current === null || control === null) return
     if (control !== current.control && !control.contains(current.control) && !current.control.closest('label')?.contains(control)) return
-    if (name === 'pointerdown') drawPending()
-    else used.add(current.key)
+    if (name === 'pointerdown' || name === 'click') drawPending()
+    if (name !== 'pointerdown') used.add(current.key)
     isArmed = true
     channel.port2.postMessage(0)
   }, true)
@@ -207,7 +209,8 @@
   const idle = () => [...seen].filter(key => !enabled.has(key) && !used.has(key) && !excluded.test(key))
   const nextRound = () => {
     isStuck = used.size === usedBefore ? !isStuck : false
-    if (unused().length + idle().length === 0 || round === MAX_ROUNDS || (used.size === usedBefore && !isStuck)) return null
+    // What the last actions have started may bring more controls, once.
+    if ((round > 0 && unused().length + idle().length === 0) || round === MAX_ROUNDS || (used.size === usedBefore && !isStuck)) return null
     round += 1
     usedBefore = used.size
     reopened.clear()

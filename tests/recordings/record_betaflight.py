@@ -1,8 +1,8 @@
-"""Recorder of `betaflight.jsonl`: the replies of Betaflight's own SITL program to each request without arguments.
+"""Recorder of `betaflight.jsonl`: the replies of Betaflight's SITL program to each request without arguments.
 
-`MAVSTACK_BETAFLIGHT_SITL=PROGRAM python -m tests.recordings.record_betaflight` writes the file again. Its first
-line names the firmware; each other line has the number of a command, and the payload of the reply or null where
-the program refuses the command.
+`MAVSTACK_BETAFLIGHT_SITL=PROGRAM python -m tests.recordings.record_betaflight` writes the file again. Its
+first line names the firmware; each other line has the number of a command, and the payload of the reply or
+null where the program refuses the command.
 """
 
 from __future__ import annotations
@@ -18,13 +18,15 @@ from mavstack.errors import MspDenied
 from mavstack.msp.messages import actions
 from mavstack.msp.messages.registry import all_messages
 from tests.interop.betaflight import URL, betaflight_sitl
+from tests.recordings.controller import PATH
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-PATH = Path(__file__).with_name("betaflight.jsonl")
 #: Their requests do something.
 ACTIONS = {actions.RebootReply, actions.ResetConfReply, actions.PassthroughReply}
+#: Version of the interface, variant, version, board, build, name, and identifier of the processor.
+IDENTIFICATION = {1, 2, 3, 4, 5, 10, 160}
 
 
 async def record(controller: FlightController) -> AsyncIterator[dict[str, Any]]:
@@ -32,7 +34,7 @@ async def record(controller: FlightController) -> AsyncIterator[dict[str, Any]]:
     info = controller.info
     yield {"variant": info.variant, "api": list(info.api)}
     commands = {int(each.COMMAND) for each in all_messages() if each.IS_REPLY and each not in ACTIONS}
-    for command in sorted(commands):
+    for command in sorted(commands | IDENTIFICATION):
         try:
             payload = await controller.request(command)
         except MspDenied:

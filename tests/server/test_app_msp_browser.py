@@ -13,6 +13,7 @@ from mavstack.msp.messages.osd import OsdConfig
 from mavstack.msp.messages.pid import InavPid, Pid
 from mavstack.msp.messages.rc import RcTuning
 from mavstack.msp.messages.vtx import VtxConfig
+from tests.recordings.controller import RecordedController
 from tests.server.browsing import open_pages, web_station
 from tests.server.web_serial import PORT
 from tests.sim.msp.peer import Peer
@@ -29,7 +30,7 @@ def pages(tmp_path_factory):
         yield url, steps.enter_context(open_pages())
 
 
-def connected(pages, peer: Peer, *, phone: bool = False):
+def connected(pages, peer: Peer | RecordedController, *, phone: bool = False):
     """Return a page that is connected to the flight controller of a peer."""
     url, new_page = pages
     page = new_page("about:blank", phone=phone, dark=not phone)
@@ -54,6 +55,19 @@ def save(page) -> None:
     playwright.expect(page.get_by_text("Not yet saved")).to_be_visible()
     page.get_by_role("button", name="Save", exact=True).click()
     playwright.expect(page.get_by_text("Not yet saved")).to_have_count(0)
+
+
+#: The recorded program was built without it.
+ABSENT = ("Video transmitter",)
+
+
+def wait_until(page, holds) -> None:
+    """Wait until a condition holds, while the page continues."""
+    for _ in range(300):
+        if holds():
+            return
+        page.wait_for_timeout(100)
+    pytest.fail("the condition did not come about")
 
 
 def test_betaflight_is_set_up_and_saved(pages) -> None:
@@ -139,3 +153,19 @@ def test_inav_has_its_own_layouts(pages) -> None:
     page.get_by_role("button", name="Disconnect").click()
     page.get_by_role("button", name="Choose a port and connect").wait_for()
     assert peer.request(MspCommand.MSP_API_VERSION) is not None
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
+def test_a_recorded_betaflight_is_shown(pages, phone: bool) -> None:
+    controller = RecordedController()
+    page = connected(pages, controller, phone=phone)
+    playwright.expect(page.get_by_role("status").first).to_contain_text("2026.12.0")
+    for name in ("Receiver", "Modes", "PID", "Rates", "Failsafe", "OSD", "Video transmitter", "Ports"):
+        controller.requests.clear()
+        open_tab(page, name)
+        wait_until(page, lambda: bool(controller.requests))
+        missing = ["The firmware of this board was built without this."] if name in ABSENT else []
+        playwright.expect(page.get_by_role("alert")).to_have_text(missing)
+        if name == "PID":
+            playwright.expect(page.get_by_role("spinbutton", name="P of ROLL")).to_have_value("45")

@@ -16,6 +16,9 @@ export class MspError extends Error {
   override name = 'MspError';
 }
 
+/** The flight controller refused a command: its firmware was built without it, or its state does not permit it. */
+export class MspRefused extends MspError {}
+
 export interface Identity extends Firmware {
   /** Name of the firmware, such as Betaflight. */
   readonly firmware: string;
@@ -174,7 +177,7 @@ export class MspClient {
     if (waiting === null || waiting.command !== command || direction === '<') return;
     this.waiting = null;
     if (direction === '>') waiting.resolve(payload);
-    else waiting.reject(new MspError(`command ${command} failed: the flight controller refused it`));
+    else waiting.reject(new MspRefused(`command ${command} failed: the flight controller refused it`));
   }
 
   /** Sends a line to the CLI, which is opened first; resolves to its reply. */

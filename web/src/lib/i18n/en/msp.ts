@@ -24,6 +24,7 @@ export const msp = {
   ports: 'Ports',
   cli: 'CLI',
   loading: 'Reading …',
+  missing: 'The firmware of this board was built without this.',
   read: 'Read again',
   set: 'Set',
   isSet: 'The flight controller has the values.',
