@@ -37,7 +37,8 @@
   // A click on what is already chosen changes nothing.
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
   // A choice may remove other fields. A control that is used again comes after the new ones of its kind.
-  const rank = each => (LAST.test(nameOf(each)) ? OPENER + 2 : isOpener(each) ? OPENER : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
+  const isLast = each => each.matches('button, a') && LAST.test(nameOf(each))
+  const rank = each => (isLast(each) ? OPENER + 2 : isOpener(each) ? OPENER : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
   const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set(), drawnFor = new Set()

@@ -19,6 +19,8 @@ from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.interop.control_crawler import MAX_ACTIONS, Report, crawl
+from tests.interop.test_station_router import router
+from tests.links.test_tcp import free_port
 from tests.server.browsing import open_pages, web_station
 from tests.server.web_serial import PORT
 from tests.sharing import shared_until_failure
@@ -37,7 +39,7 @@ VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "swarm", "shel
 OTHER_VIEWS = (("router", "ardupilot"), ("generator", "px4"), ("msp", "betaflight"))
 FIRMWARES = ("ardupilot", "px4", "betaflight")
 SHELL = ".shell > :not(main)"
-#: Firmware and device of each view in the interop tests; without a router its view has no controls.
+#: Firmware and device of each view in the interop tests.
 SLICE = (
     ("fly", "px4", True),
     ("plan", "ardupilot", True),
@@ -68,8 +70,22 @@ NOT_USED = {
     r"button: (Add them|Remove.*)$": "test_station_dashboards.py, test_station_plan.py",
 }
 EXCLUDED = "|".join(NOT_USED)
+#: Controls that need a file, a choice or a board before they are enabled, with the tests that use them.
+NEVER_ENABLED = {
+    r"button: Download$": "test_station_maps.py: an area",
+    r"button: Motor #": "test_station_setup.py: the propellers are off",
+    r"button: Nothing was changed here": "test_app_setup_browser.py: a change",
+    r"button: Set NAME$": "test_station_setup.py: a change",
+    r"button: (Check only|Flash|Flash the board at this computer)$": "test_app_flash_browser.py: a file",
+    r"button: Generate and download$": "test_app_browser.py: a language",
+    r"button: Choose the port$": "test_station_dashboards.py: a source",
+    r"button: Choose two vehicles or more$": "test_app_division_browser.py: the vehicles",
+    r"button: (Upload|Clear on vehicle)$": "test_station_plan.py: a vehicle that has plans",
+    r"button: Connecting": "test_app_msp_browser.py: a connection that is made",
+}
+IDLE = re.compile("|".join(NEVER_ENABLED))
 #: Status codes of refusals, which Chromium logs as errors.
-REFUSALS = re.compile(r"status of (400|403|404|409|501|502|503|504)")
+REFUSALS = re.compile(r"status of (400|403|404|409|429|501|502|503|504)")
 
 
 class World:
@@ -80,15 +96,20 @@ class World:
         self.new_page = steps.enter_context(open_pages(REFUSALS))
         self.url_of = cache(self._url_of)
 
-    def _url_of(self, firmware: str) -> str:
-        vehicle = self._steps.enter_context(vehicle_of(firmware))
-        folder = self._folder / firmware
+    def _url_of(self, firmware: str, *, routed: bool) -> str:
+        sources = [self._steps.enter_context(vehicle_of(firmware)).url]
+        if routed:
+            control, ground = free_port(), free_port()
+            self._steps.enter_context(router(control, *sources, f"udpout://127.0.0.1:{ground}"))
+            sources = [f"udpin://127.0.0.1:{ground}", "--router", f"127.0.0.1:{control}"]
+        folder = self._folder / f"{firmware}-{routed}"
         folder.mkdir()
-        return str(self._steps.enter_context(web_station(folder, vehicle.url)))
+        return str(self._steps.enter_context(web_station(folder, *sources)))
 
     def crawl(self, view: str, firmware: str, phone: bool, actions: int = MAX_ACTIONS) -> Report:
         """Use the controls of a view."""
-        url, page = self.url_of(firmware), self.new_page("about:blank", phone=phone)
+        url = self.url_of(firmware, routed=view == "router")
+        page = self.new_page("about:blank", phone=phone)
         if view == "msp":
             expose_controller(page)
         address = f"{url}#/{'fly' if view == 'shell' else view}"
@@ -156,6 +177,7 @@ def test_every_control(world: World, firmware: str, view: str, phone: bool) -> N
     print(f"{len(report.used)} of {len(report.seen)} used; never enabled: {report.idle}")
     print(*report.actions, *report.faults, sep="\n")
     assert report.faults == []
+    assert [each for each in report.idle if not IDLE.match(each)] == []
 
 
 #: A page with one control of each fault, and sound ones.
