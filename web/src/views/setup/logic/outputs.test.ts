@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { isReversed, outputsOf, reversed } from './outputs';
+import { isReversed, motorOf, outputsOf, reversed } from './outputs';
 import type { ParameterTable } from './parameters';
 
 const table = (values: Record<string, number>): ParameterTable =>
@@ -27,5 +27,23 @@ describe('outputs', () => {
     ]);
     expect(outputs.map((each) => isReversed(each, parameters))).toEqual([false, true, null]);
     expect([reversed(outputs[1]!, 4), reversed(outputs[0]!, 4)]).toEqual([0, 5]);
+  });
+
+  it('run motors by the numbers of each firmware', () => {
+    const [servo] = outputsOf(table({ SERVO1_FUNCTION: 33 }));
+    expect([0, 32, 33, 40, 41, 81, 82, 85, 86, 101].map((value) => motorOf(servo!, value))).toEqual([
+      null,
+      null,
+      1,
+      8,
+      null,
+      null,
+      9,
+      12,
+      null,
+      null,
+    ]);
+    const [pwm] = outputsOf(table({ PWM_AUX_FUNC1: 101 }));
+    expect([33, 100, 101, 112, 113].map((value) => motorOf(pwm!, value))).toEqual([null, null, 1, 12, null]);
   });
 });

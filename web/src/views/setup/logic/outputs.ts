@@ -63,3 +63,19 @@ export function isReversed({ directionName, bit }: Output, parameters: Parameter
 export function reversed({ bit }: Output, held: number): number {
   return bit === null ? (held === 0 ? 1 : 0) : held ^ (1 << bit);
 }
+
+/** Values of functions, each with the number of the motor that the first one runs. */
+const MOTORS = {
+  SERVO: [
+    { first: 33, last: 40, motor: 1 },
+    { first: 82, last: 85, motor: 9 },
+  ],
+  PWM_: [{ first: 101, last: 112, motor: 1 }],
+} as const;
+
+/** Returns the number of the motor that an output runs; null: its function is another one. */
+export function motorOf({ functionName }: Output, value: number): number | null {
+  const ranges = functionName.startsWith('PWM_') ? MOTORS.PWM_ : MOTORS.SERVO;
+  const range = ranges.find(({ first, last }) => first <= value && value <= last);
+  return range === undefined ? null : value - range.first + range.motor;
+}
