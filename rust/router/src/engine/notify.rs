@@ -1,7 +1,7 @@
 //! A descriptor that is readable while events wait, so that event loops can wait for it.
 
 use std::io::{self, Read, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 #[cfg(unix)]
 type Pipe = std::os::unix::net::UnixStream;
@@ -31,29 +31,39 @@ fn pair() -> io::Result<(Pipe, Pipe)> {
 pub struct Notifier {
     reader: Pipe,
     writer: Pipe,
-    /// There may be a byte to read: it saves the system calls that would find none.
-    is_set: AtomicBool,
+    /// Whether there may be a byte to read: it saves the system calls that would find none.
+    state: AtomicU8,
 }
+
+/// There is no byte to read.
+const UNSET: u8 = 0;
+/// A byte is being written: the program may read it before the thread that wrote it runs again.
+const SETTING: u8 = 1;
+/// There may be a byte to read.
+const SET: u8 = 2;
 
 impl Notifier {
     pub fn new() -> io::Result<Self> {
         let (reader, writer) = pair()?;
         reader.set_nonblocking(true)?;
         writer.set_nonblocking(true)?;
-        Ok(Self { reader, writer, is_set: AtomicBool::new(false) })
+        Ok(Self { reader, writer, state: AtomicU8::new(UNSET) })
     }
 
     /// Makes the descriptor readable.
     pub fn set(&self) {
+        self.state.store(SETTING, Ordering::Release);
         // A full pipe is readable already.
         let _ = (&self.writer).write(&[1]);
-        // Only now: a `clear` between both leaves the byte to the next one.
-        self.is_set.store(true, Ordering::Release);
+        // Only now: a `clear` before the byte came leaves it to the next one.
+        self.state.store(SET, Ordering::Release);
     }
 
     /// Makes the descriptor unreadable.
     pub fn clear(&self) {
-        if !self.is_set.swap(false, Ordering::AcqRel) {
+        // The state of a write that is under way stays: its byte may still come.
+        let found = self.state.compare_exchange(SET, UNSET, Ordering::AcqRel, Ordering::Acquire);
+        if found == Err(UNSET) {
             return;
         }
         let mut bytes = [0; 64];
@@ -90,6 +100,20 @@ mod tests {
         notifier.set();
         notifier.set();
         assert_eq!(bytes(&notifier), 2);
+        notifier.set();
+        notifier.clear();
+        assert_eq!(bytes(&notifier), 0);
+    }
+
+    #[test]
+    fn a_signal_is_cleared_before_the_thread_that_set_it_runs_again() {
+        let notifier = Notifier::new().expect("sockets");
+        notifier.state.store(SETTING, Ordering::Release);
+        notifier.clear(); // the byte is not there yet
+        let _ = (&notifier.writer).write(&[1]);
+        notifier.clear();
+        assert_eq!(bytes(&notifier), 0, "an event loop would wake again and again");
+        notifier.state.store(SET, Ordering::Release);
         notifier.set();
         notifier.clear();
         assert_eq!(bytes(&notifier), 0);
