@@ -357,3 +357,24 @@ def test_metadata():
     assert common.MissionRequest.definition.deprecated.replaced_by == "MISSION_REQUEST_INT"
     assert common.Attitude.__doc__ == common.Attitude.definition.description != ""
     assert common.GpsStatus.definition.field("satellite_azimuth").factor == pytest.approx(360 / 255)
+
+
+@pytest.mark.parametrize("make", [tuple, list])
+def test_arrays_of_floats(make):
+    """Tuples of floats take a shorter way in the core than other sequences; both mean the same."""
+    full = common.Odometry(pose_covariance=make([0.5] * 21), q=make([math.nan, 0.1]))
+    assert full.pose_covariance == (0.5,) * 21
+    assert math.isnan(full.q[0])
+    assert full.q[1:] == (pytest.approx(0.1), 0.0, 0.0)
+    full.q = make([1.0])
+    assert full.q == (1.0, 0.0, 0.0, 0.0)
+    with pytest.raises(FieldRangeError, match="holds at most 4 elements"):
+        full.q = make([0.0] * 5)
+    with pytest.raises(FieldRangeError, match="holds at most 21 elements"):
+        common.Odometry(pose_covariance=make([0.0] * 90))
+    with pytest.raises(FieldRangeError, match=r"1e\+300 is outside"):
+        full.q = make([2.0, 1e300])
+    with pytest.raises(FieldTypeError, match=r"Odometry\.q must be a number"):
+        full.q = make([2.0, "x"])
+    assert full.q == (1.0, 0.0, 0.0, 0.0)
+    assert common.Odometry(q=make([True, 2])).q == (1.0, 2.0, 0.0, 0.0)

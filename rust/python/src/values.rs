@@ -6,7 +6,7 @@
 use crate::errors::{FieldRangeError, FieldTypeError};
 use crate::message;
 use mavstack_core::json;
-use mavstack_core::layout::{Field, FieldType};
+use mavstack_core::layout::{Field, FieldType, MAX_PAYLOAD};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
@@ -168,6 +168,9 @@ fn write_array(field_ref: &FieldRef<'_>, kind: FieldType, bytes: &mut [u8], valu
     {
         return write_padded(field_ref, "elements", bytes, &buffer.to_vec(value.py())?);
     }
+    if kind == FieldType::F32 && write_singles(bytes, value) {
+        return Ok(());
+    }
     if value.cast::<PyString>().is_ok() {
         return Err(field_ref.wrong_type("a sequence of numbers", value));
     }
@@ -184,6 +187,27 @@ fn write_array(field_ref: &FieldRef<'_>, kind: FieldType, bytes: &mut [u8], valu
         return Err(field_ref.too_many());
     }
     write_padded(field_ref, "elements", bytes, &content)
+}
+
+/// Writes a tuple of floats, as covariances are; returns false if it is something else or does not fit.
+fn write_singles(bytes: &mut [u8], value: &Bound<'_, PyAny>) -> bool {
+    let Ok(tuple) = value.cast_exact::<PyTuple>() else {
+        return false;
+    };
+    let mut content = [0; MAX_PAYLOAD];
+    let size = tuple.len() * FieldType::F32.size();
+    let (Some(content), Some((start, rest))) = (content.get_mut(..size), bytes.split_at_mut_checked(size)) else {
+        return false;
+    };
+    for (element, encoded) in tuple.iter_borrowed().zip(content.as_chunks_mut().0) {
+        let Some(single) = exact_single(&element) else {
+            return false;
+        };
+        *encoded = single.to_le_bytes();
+    }
+    start.copy_from_slice(content);
+    rest.fill(0);
+    true
 }
 
 #[inline]
