@@ -172,7 +172,7 @@ class Channel(ABC):
         if self.closed:
             raise LinkClosedError(f"{self.name} is closed")
         accepted = self.send_bytes(data)
-        counters = self.counters
+        counters = self._counters  # without `refresh`, which is about received bytes
         if accepted:
             counters.bytes_out += len(data)
             counters.chunks_out += 1

@@ -18,9 +18,9 @@ from mavstack.rotation import rotate, to_euler
 from mavstack.services.external.frames import (
     FULL,
     TRIANGLE,
+    UNKNOWN,
     Frame,
     covariance_to_mavlink,
-    nan_triangle,
     orientation_to_mavlink,
     to_mavlink,
 )
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from mavstack.rotation import Quaternion, Vector
 
 _NOTHING: Final = (nan, nan, nan)
+_NO_ORIENTATION: Final = (nan, nan, nan, nan)
+_NED, _FRD, _BODY = common.MavFrame.LOCAL_NED, common.MavFrame.LOCAL_FRD, common.MavFrame.BODY_FRD
+_VISION: Final = common.MavEstimatorType.VISION
 _MAX_QUALITY: Final = 100
 #: Limits of the length of an orientation, beyond which products of its numbers would become 0 or infinite.
 _MIN_LENGTH: Final = 1e-9
@@ -113,30 +116,21 @@ class PoseEstimate:
             time_usec: The time of the measurement in microseconds.
             only_frd: Use LOCAL_FRD even for a frame that knows north, as ArduPilot demands.
         """
-        frames = common.MavFrame
-        north = self.frame.knows_north and not only_frd
-        x, y, z = self._position
-        vx, vy, vz = _NOTHING if self.velocity is None else to_mavlink(self.body_frame, self.velocity)
-        p, q, r = _NOTHING if self.rotation is None else to_mavlink(self.body_frame, self.rotation)
+        frame, body = self.frame, self.body_frame
+        # By position: names of fields cost a third more, at each of 50 messages a second.
         return common.Odometry(
-            time_usec=time_usec,
-            frame_id=frames.LOCAL_NED if north else frames.LOCAL_FRD,
-            child_frame_id=frames.BODY_FRD,
-            x=x,
-            y=y,
-            z=z,
-            q=(nan,) * 4 if self.orientation is None else self._orientation,
-            vx=vx,
-            vy=vy,
-            vz=vz,
-            rollspeed=p,
-            pitchspeed=q,
-            yawspeed=r,
-            pose_covariance=_covariance(self.frame, self.pose_covariance),
-            velocity_covariance=_covariance(self.body_frame, self.velocity_covariance),
-            reset_counter=self.reset_counter,
-            estimator_type=common.MavEstimatorType.VISION,
-            quality=self.quality,
+            time_usec,
+            _NED if frame.knows_north and not only_frd else _FRD,
+            _BODY,
+            *self._position,
+            _NO_ORIENTATION if self.orientation is None else self._orientation,
+            *(_NOTHING if self.velocity is None else to_mavlink(body, self.velocity)),
+            *(_NOTHING if self.rotation is None else to_mavlink(body, self.rotation)),
+            _covariance(frame, self.pose_covariance),
+            _covariance(body, self.velocity_covariance),
+            self.reset_counter,
+            _VISION,
+            self.quality,
         )
 
     def to_vision(self, time_usec: int) -> list[common.VisionPositionEstimate | common.VisionSpeedEstimate]:
@@ -190,7 +184,7 @@ def as_frame(frame: Frame | str) -> Frame:
 
 
 def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
-    return covariance_to_mavlink(frame, covariance) if covariance else nan_triangle()
+    return covariance_to_mavlink(frame, covariance) if covariance else UNKNOWN
 
 
 def _check_whole(name: str, value: object) -> None:

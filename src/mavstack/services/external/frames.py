@@ -24,6 +24,8 @@ _HALF: Final = sqrt(0.5)
 #: The number of entries in the upper right triangle of a covariance matrix, and in the whole of it.
 TRIANGLE, FULL = 21, 36
 _SIZE: Final = 6
+#: The triangle of a covariance that is not known.
+UNKNOWN: Final = (nan,) * TRIANGLE
 
 
 class Frame(StrEnum):
@@ -94,7 +96,7 @@ def covariance_to_mavlink(frame: Frame, covariance: Sequence[float]) -> tuple[fl
         21 numbers; the first is NaN if all are 0, which ROS sends for a covariance that is not known.
     """
     if not any(covariance):
-        return nan_triangle()
+        return UNKNOWN
     matrix = [list(covariance[row * _SIZE : (row + 1) * _SIZE]) for row in range(_SIZE)]
     if len(covariance) == TRIANGLE:
         matrix = _symmetric(covariance)
@@ -106,11 +108,6 @@ def covariance_to_mavlink(frame: Frame, covariance: Sequence[float]) -> tuple[fl
         for column in range(row, _SIZE)
         for p, q in ((places[row][1], places[column][1]),)
     )
-
-
-def nan_triangle() -> tuple[float, ...]:
-    """Return a covariance that is not known."""
-    return (nan,) * TRIANGLE
 
 
 def _symmetric(triangle: Sequence[float]) -> list[list[float]]:
