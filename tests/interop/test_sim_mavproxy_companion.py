@@ -29,7 +29,7 @@ def free_port() -> int:
 
 async def test_modules_that_feed_a_vehicle(tmp_path) -> None:
     simulation = Simulation()
-    vehicle = simulation.add("copter", "ardupilot")
+    vehicle = simulation.add("copter", "ardupilot", remote_id=True)
     async with (
         running(simulation, "tcpin://127.0.0.1:0") as simulated,
         mavproxy(simulated.link.address[1], tmp_path, modules="adsb,output", transport="tcp") as console,
@@ -38,6 +38,7 @@ async def test_modules_that_feed_a_vehicle(tmp_path) -> None:
         await console.wait_for_output("Detected vehicle 1:1")
         await check_corrections(flight)
         await check_aircraft(flight)
+        await check_remote_id(flight)
         await check_positions(flight)
         assert not [each for each in ("GPS Inject Failed", "GPS Input Failed") if each in console.printed]
 
@@ -74,6 +75,22 @@ async def check_aircraft(flight: Flight) -> None:
         if "total threat count: 1" in flight.ground.printed:
             return
     raise AssertionError(flight.ground.printed[-500:])
+
+
+async def check_remote_id(flight: Flight) -> None:
+    """OpenDroneID sends to the autopilot, which passes the messages to the module."""
+    module = flight.vehicle.remote_id
+    assert module.ardupilot_problem == "UA_TYPE required in BasicID"
+    await load(flight, "fakegps")  # it sets the position of the ground station
+    flight.ground.send_line("module unload fakegps")
+    await load(flight, "OpenDroneID")
+    for setting in ("UAS_ID_type 1", "UAS_ID 1596F350", "UA_type 2", "rate_hz 2"):
+        flight.ground.send_line(f"opendroneid set {setting}")
+    for _ in range(200):
+        await asyncio.sleep(0.1)
+        if not module.ardupilot_problem:
+            break
+    assert module.ardupilot_problem == ""
 
 
 async def check_positions(flight: Flight) -> None:

@@ -78,3 +78,19 @@ def test_the_words_of_ardupilot():
     assert problems(vehicle) == ["OpenDroneID: SYSTEM not available"]
     vehicle.remote_id = None
     assert problems(vehicle) == ["OpenDroneID: ARM_STATUS not available"]
+
+
+@pytest.mark.parametrize(("firmware", "passed_on"), [("ardupilot", True), ("px4", False)])
+def test_the_autopilot_passes_messages_to_the_module(firmware, passed_on):
+    """MAVProxy's module sends to the autopilot, and PX4 takes OPEN_DRONE_ID_SYSTEM alone."""
+    simulation = Simulation(seed=1)
+    vehicle = simulation.add("copter", firmware, remote_id=True)
+    harness = VehicleHarness(SimulationHarness.__new__(SimulationHarness), vehicle)
+    harness.simulation_harness.collect = lambda: None
+    to_autopilot = {"target_system": 1, "target_component": 1}
+    harness.send(common.OpenDroneIdSystem(operator_latitude=1, operator_longitude=1, **to_autopilot))
+    harness.send(common.OpenDroneIdBasicId(id_type=1, uas_id=b"1596F3".ljust(20, b"\0"), **to_autopilot))
+    assert vehicle.remote_id.problem == ("" if passed_on else "missing BasicID")
+    module = {"target_system": 1, "target_component": common.MavComponent.ODID_TXRX_1}
+    harness.send(common.OpenDroneIdBasicId(id_type=1, uas_id=b"1596F3".ljust(20, b"\0"), **module))
+    assert vehicle.remote_id.problem == ""

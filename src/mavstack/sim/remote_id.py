@@ -2,8 +2,11 @@
 
 The module is the component ODID_TXRX_1. The vehicle may arm once the module knows who the vehicle is
 (OPEN_DRONE_ID_BASIC_ID) and where the operator is (OPEN_DRONE_ID_SYSTEM or its update, not older than 5 s).
+Ground stations send these messages to the module or, as MAVProxy does, to the autopilot, which passes them
+on: ArduPilot all of them, PX4 OPEN_DRONE_ID_SYSTEM alone.
 The autopilot sends OPEN_DRONE_ID_LOCATION each second. ArduPilot, with bit 0 of DID_OPTIONS, checks the
-messages of the operator itself, in this order and with these words. Source: ArduPilot, AP_OpenDroneID.
+messages of the operator itself, in this order and with these words. Source: ArduPilot, AP_OpenDroneID;
+PX4, MavlinkReceiver.
 """
 
 from __future__ import annotations
@@ -40,6 +43,7 @@ class RemoteIdModule(Service):
         self._operator_at: float | None = None
         vehicle.engine.add(HeartbeatSender(self.local, common.MavType.ODID, common.MavAutopilot.INVALID))
         vehicle.engine.add(self)
+        vehicle.engine.add(_Relay(self, vehicle))
 
     @property
     def problem(self) -> str:
@@ -98,3 +102,15 @@ class RemoteIdModule(Service):
             height=_UNKNOWN_ALTITUDE,
             timestamp=self._vehicle.now % 3600,
         )
+
+
+class _Relay(Service):
+    """The autopilot's side: messages that are addressed to it reach the module."""
+
+    def __init__(self, module: RemoteIdModule, vehicle: SimulatedVehicle) -> None:
+        super().__init__(vehicle.address)
+        self._module = module
+        self.handles = message_ids(common.OpenDroneIdSystem) if vehicle.firmware == "px4" else module.handles
+
+    def receive(self, packet: Packet, now: float) -> None:
+        self._module.receive(packet, now)
