@@ -63,3 +63,41 @@ def test_status_and_information():
     assert information.software_version.major == 1
     assert frames[0].data[-1] & 0x1F == 5
     assert device.answer(CanFrame(0x1E01ABFF, b"\xc5"), 1012.5) == []  # to another node
+
+
+def exchange(device, request, number):
+    """The answer of node 42 to a request of node 127 of a service, by pydronecan's codec on both sides."""
+    from dronecan.transport import Transfer
+
+    asked = Transfer(
+        transfer_id=3, source_node_id=127, dest_node_id=42, payload=request, service_not_message=True,
+        request_not_response=True,
+    )  # fmt: skip
+    frames = [CanFrame(frame.message_id, bytes(frame.bytes)) for frame in asked.to_frames()]
+    *rest, answer = [device.answer(frame, 1000.0) for frame in frames]
+    assert not any(rest)
+    assert {frame.id >> 16 & 0xFF for frame in answer} == {number}
+    return answer
+
+
+def test_parameters():
+    import dronecan
+
+    param = dronecan.uavcan.protocol.param
+    device = node()
+    device.parameters.update({"GPS_RATE_HZ": 5, "OFFSET": -70_000_000_000})
+    answer = exchange(device, param.GetSet.Request(index=1), 11)
+    found = decoded(answer, param.GetSet.Response)
+    assert (bytes(found.name), found.value.integer_value) == (b"OFFSET", -70_000_000_000)
+    value = param.Value(integer_value=10)
+    changed = decoded(
+        exchange(device, param.GetSet.Request(name="GPS_RATE_HZ", value=value), 11), param.GetSet.Response
+    )
+    assert changed.value.integer_value == device.parameters["GPS_RATE_HZ"] == 10
+    for missing in (param.GetSet.Request(index=2), param.GetSet.Request(name="NOTHING", value=value)):
+        end = decoded(exchange(device, missing, 11), param.GetSet.Response)
+        assert bytes(end.name) == b""
+        assert dronecan.get_active_union_field(end.value) == "empty"
+    assert len(device.parameters) == 2
+    saved = exchange(device, param.ExecuteOpcode.Request(opcode=0), 10)
+    assert decoded(saved, param.ExecuteOpcode.Response).ok

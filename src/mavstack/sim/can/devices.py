@@ -5,18 +5,28 @@ They are there while a client has the bus forwarded: otherwise no client sees th
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.services.can import CanFrameReceived, CanServer
 from mavstack.sim.can.dronecan import DroneCanNode
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mavstack.services.can import CanFrame
     from mavstack.sim.vehicle import SimulatedVehicle
 
 STATUS_INTERVAL: Final = 1.0
 _BUS: Final = 1
-_NAMES: Final = {10: "org.ardupilot:0", 42: "org.mavstack.gps", 43: "org.mavstack.esc"}
+#: The nodes by their ids: the name, and the parameters.
+_NODES: Final[Mapping[int, tuple[str, Mapping[str, int]]]] = MappingProxyType(
+    {
+        10: ("org.ardupilot:0", {}),
+        42: ("org.mavstack.gps", {"GPS_RATE_HZ": 5, "GPS_DYNAMICS": 7}),
+        43: ("org.mavstack.esc", {"ESC_INDEX": 0, "MOTOR_POLES": 14}),
+    }
+)
 
 
 class CanDevices:
@@ -27,8 +37,14 @@ class CanDevices:
         self._server = vehicle.engine.add(CanServer(vehicle.address))
         self._server.answer(vehicle.commands)
         self.nodes = [
-            DroneCanNode(number, name, vehicle.serial.ljust(15, b"\0")[:15] + bytes((number,)), vehicle.now)
-            for number, name in _NAMES.items()
+            DroneCanNode(
+                number,
+                name,
+                vehicle.serial.ljust(15, b"\0")[:15] + bytes((number,)),
+                vehicle.now,
+                dict(parameters),
+            )
+            for number, (name, parameters) in _NODES.items()
         ]
         self._due = vehicle.now
         vehicle.on_event(CanFrameReceived, self._received)

@@ -1,4 +1,4 @@
-"""A node of DroneCAN: it reports its status each second, and who it is when it is asked.
+"""A node of DroneCAN: it reports its status each second, and who it is and its parameters when it is asked.
 
     message   priority 5 · type 16 · 0 · source 7
     service   priority 5 · type 8 · request 1 · destination 7 · 1 · source 7
@@ -10,13 +10,24 @@ begins with its CRC, which starts with the signature of the data type. Source: D
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
 
 from mavstack.services.can import CanFrame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
 
 NODE_STATUS: Final = 341
 GET_NODE_INFO: Final = 1
 GET_NODE_INFO_SIGNATURE: Final = 0xEE468A8121C46A9E
+EXECUTE_OPCODE: Final = 10
+EXECUTE_OPCODE_SIGNATURE: Final = 0x3B131AC5EB69D2CD
+GET_SET: Final = 11
+GET_SET_SIGNATURE: Final = 0xA7B622F939D1A4D5
+#: The tags of a value that is missing, and of a whole number.
+_EMPTY, _INTEGER = 0, 1
+_INTEGER_SIZE: Final = 8
 _STATUS_PRIORITY: Final = 20
 _SERVICE_PRIORITY: Final = 16
 _SERVICE: Final = 0x80
@@ -86,12 +97,14 @@ class DroneCanNode:
         name: Its name, such as "org.example.gps".
         unique_id: Its unique id, 16 bytes.
         started: When it started, Unix seconds.
+        parameters: Its parameters, whole numbers by name.
     """
 
     number: int
     name: str
     unique_id: bytes
     started: float
+    parameters: dict[str, int] = field(default_factory=dict)
     version: tuple[int, int] = (1, 4)
     _transfers: int = 0
     _receiver: TransferReceiver = field(default_factory=TransferReceiver)
@@ -105,24 +118,56 @@ class DroneCanNode:
     def answer(self, frame: CanFrame, now: float) -> list[CanFrame]:
         """Return the frames of its answer to a frame on the bus; empty if there is none."""
         is_request = bool(frame.id & _SERVICE) and bool(frame.id & _REQUEST)
-        if not is_request or frame.id >> 8 & 0x7F != self.number or frame.id >> 16 & 0xFF != GET_NODE_INFO:
+        service = frame.id >> 16 & 0xFF
+        if not is_request or frame.id >> 8 & 0x7F != self.number or service not in _SERVICES:
             return []
-        if self._receiver.add(frame, GET_NODE_INFO_SIGNATURE) is None:
+        signature, respond = _SERVICES[service]
+        request = self._receiver.add(frame, signature)
+        if request is None:
             return []
         client = frame.id & 0x7F
-        number = _SERVICE_PRIORITY << 24 | GET_NODE_INFO << 16 | client << 8 | _SERVICE | self.number
-        return transfer_frames(number, self._info(now), frame.data[-1], GET_NODE_INFO_SIGNATURE)
+        number = _SERVICE_PRIORITY << 24 | service << 16 | client << 8 | _SERVICE | self.number
+        return transfer_frames(number, respond(self, request, now), frame.data[-1], signature)
 
     def _status(self, now: float) -> bytes:
         uptime = max(int(now - self.started), 0) & 0xFFFFFFFF
         # Health OK, mode operational, no vendor-specific status.
         return uptime.to_bytes(4, "little") + bytes(3)
 
-    def _info(self, now: float) -> bytes:
+    def info(self, request: bytes, now: float) -> bytes:
+        """Return who the node is (uavcan.protocol.GetNodeInfo)."""
         major, minor = self.version
         software = bytes((major, minor, 1)) + (0x5EED0001).to_bytes(4, "little") + bytes(8)
         hardware = bytes((1, 0)) + self.unique_id[:16].ljust(16, b"\0") + bytes(1)
         return self._status(now) + software + hardware + self.name.encode("ascii", "replace")[:80]
+
+    def get_set(self, request: bytes, now: float) -> bytes:
+        """Return a parameter by its name or index, set before if the request has a value (param.GetSet)."""
+        low, high = request[:2].ljust(2, b"\0")
+        index, tag = high >> 3 << 8 | low, high & 7
+        names, value = list(self.parameters), request[2 : 2 + _INTEGER_SIZE]
+        name = request[2 + _INTEGER_SIZE * (tag == _INTEGER) :].decode("ascii", "replace")
+        name = name or (names[index] if index < len(names) else "")
+        if name not in self.parameters:
+            return bytes(4)
+        if tag == _INTEGER and len(value) == _INTEGER_SIZE:
+            self.parameters[name] = int.from_bytes(value, "little", signed=True)
+        content = self.parameters[name].to_bytes(_INTEGER_SIZE, "little", signed=True)
+        # No default, maximum and minimum.
+        return bytes((_INTEGER,)) + content + bytes((_EMPTY,) * 3) + name.encode()
+
+    def execute(self, request: bytes, now: float) -> bytes:
+        """Accept that the parameters are saved (param.ExecuteOpcode): an argument of 0, and success."""
+        return bytes(6) + b"\x80"
+
+
+_SERVICES: Final[Mapping[int, tuple[int, Callable[[DroneCanNode, bytes, float], bytes]]]] = MappingProxyType(
+    {
+        GET_NODE_INFO: (GET_NODE_INFO_SIGNATURE, DroneCanNode.info),
+        GET_SET: (GET_SET_SIGNATURE, DroneCanNode.get_set),
+        EXECUTE_OPCODE: (EXECUTE_OPCODE_SIGNATURE, DroneCanNode.execute),
+    }
+)
 
 
 def _crc(payload: bytes, signature: int) -> int:
