@@ -20,7 +20,8 @@ from mavstack.services.command import Command, CommandOperation
 if TYPE_CHECKING:
     from mavstack.node.clients import ComponentClients
 
-_MAX_INSTANCE: Final = 255
+#: The largest number of a unit.
+MAX_INSTANCE: Final = 255
 
 
 def failure_units() -> dict[str, common.FailureUnit]:
@@ -59,8 +60,8 @@ class Failure(ReadOnly):
         """
         number = _chosen("unit", unit, failure_units())
         kind = _chosen("failure", failure, failure_types())
-        if not 0 <= instance <= _MAX_INSTANCE:
-            raise InvalidArgumentError(f"instance must be from 0 to {_MAX_INSTANCE}, got {instance}")
+        if not 0 <= instance <= MAX_INSTANCE:
+            raise InvalidArgumentError(f"instance must be from 0 to {MAX_INSTANCE}, got {instance}")
         host = self._clients.host
         params = (float(number), float(kind), float(instance))
         command = Command.of(host.named_command(common.MavCmd.INJECT_FAILURE), params, None)

@@ -31,3 +31,6 @@ def test_refusals_are_one_line(simulate, mav):
     assert result.code == 1
     assert "UNSUPPORTED" in result.err
     assert mav("vehicle", "failure", "wing", "--yes").code == 2
+    refused = mav("vehicle", "failure", "motor", "--number=-1", "--yes")
+    assert refused.code == 2
+    assert "--number must be from 0 to 255, got -1" in refused.err

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.confirmation import add_yes_option, is_confirmed
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.vehicle.arguments import add_timed
 from mavstack.cli.vehicle.outcomes import run_on_vehicles
-from mavstack.node.failure import failure_types, failure_units
+from mavstack.node.failure import MAX_INSTANCE, failure_types, failure_units
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -36,6 +37,8 @@ def add_actions(actions: Actions) -> None:
 
 def failure(arguments: Namespace) -> int:
     """Run `mav vehicle failure`."""
+    if not 0 <= arguments.number <= MAX_INSTANCE:
+        raise UsageError(f"--number must be from 0 to {MAX_INSTANCE}, got {arguments.number}")
     unit = arguments.unit + (f" {arguments.number}" if arguments.number else "")
     ends = arguments.how == _END
     if not ends and not is_confirmed(arguments, f"make {unit} fail ({arguments.how})", "make a unit fail"):
