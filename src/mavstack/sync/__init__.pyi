@@ -4412,7 +4412,8 @@ class Vehicle:
 
     Args:
         mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
-            takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+            takeoff and all other actions do; a submarine needs one only if its GPS has a fix, or for a mode
+            that is named here.
         keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
         timeout: Seconds to wait; None waits for ever.
 

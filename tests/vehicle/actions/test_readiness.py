@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 
 import pytest
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import HealthTimeout
+from mavstack.errors import ActionRefused, HealthTimeout
+from mavstack.vehicle.actions.preconditions import check_preconditions
 from tests.vehicle.failures.scripted_autopilot import ARDUPILOT, run_scenario
 
 EKF = ardupilotmega.EkfStatusFlags
@@ -104,3 +106,47 @@ def test_a_vehicle_whose_estimator_never_reports_is_ready_without_it():
         assert (await harness.vehicle.wait_until_ready(timeout=30)).ready is None
 
     run_scenario(scenario, autopilot=ARDUPILOT)
+
+
+def report_gps(script, fixes):
+    """Let a scripted vehicle report the last fix of a list."""
+    script.publish(
+        common.GpsRawInt, lambda now: common.GpsRawInt(fix_type=fixes[-1], satellites_visible=9), interval=1
+    )
+
+
+def test_a_submarine_with_a_fix_waits_for_its_position():
+    """A real ArduSub with a fix refuses GUIDED, without a text, until its estimator uses the fix."""
+
+    async def scenario(harness):
+        flags, fixes = [WAITING_FOR_GPS], [common.GpsFixType._3D_FIX]
+        report_like_4_0(harness.autopilot, flags)
+        report_gps(harness.autopilot, fixes)
+        await asyncio.sleep(2)
+        waiting = asyncio.create_task(harness.vehicle.wait_until_ready(timeout=120))
+        await asyncio.sleep(30)
+        assert not waiting.done()
+        assert (await harness.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=15)).ready is None
+        flags.append(USING_GPS)
+        await asyncio.wait_for(waiting, 20)
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.SUBMARINE)
+
+
+def test_a_submarine_without_a_fix_is_ready_and_goes_nowhere():
+    async def scenario(harness):
+        flags = [WAITING_FOR_GPS]
+        report_like_4_0(harness.autopilot, flags)
+        report_gps(harness.autopilot, [common.GpsFixType.NO_FIX])
+        await asyncio.sleep(2)
+        vehicle = harness.vehicle
+        with pytest.raises(HealthTimeout, match="horizontal position is not estimated"):
+            await vehicle.wait_until_ready(mode="GUIDED", timeout=15)
+        check = partial(check_preconditions, vehicle, "goto", "moving")
+        with pytest.raises(ActionRefused, match="position is not estimated; wait_until_ready"):
+            check()
+        flags.append(USING_GPS)
+        await asyncio.sleep(3)
+        check()
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.SUBMARINE, armed=True)

@@ -10,9 +10,11 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import ActionRefused
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.telemetry.problems import recent
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
 
     #: Returns why a call is not possible now, and what to do; None if it is, or if that is not known.
     Precondition: TypeAlias = Callable[[Vehicle], str | None]
+
+
+#: The estimates of a horizontal position with which ArduPilot goes to places.
+_POSITION: Final = ardupilotmega.EkfStatusFlags.POS_HORIZ_ABS | ardupilotmega.EkfStatusFlags.POS_HORIZ_REL
 
 
 def armed(vehicle: Vehicle) -> str | None:
@@ -32,6 +38,14 @@ def airborne(vehicle: Vehicle) -> str | None:
     """Require that a vehicle that flies is in the air: on the ground a plane would run at full throttle."""
     grounded = vehicle.vehicle_type.flies and vehicle.in_air is False
     return "it is on the ground; take off first" if grounded else None
+
+
+def located(vehicle: Vehicle) -> str | None:
+    """Require that the position of a submarine is estimated: it arms without one, and refuses GUIDED then."""
+    status = recent(vehicle.telemetry, ardupilotmega.EkfStatusReport)
+    if vehicle.vehicle_type is not VehicleType.SUB or status is None or status.flags & _POSITION:
+        return None
+    return 'its position is not estimated; wait_until_ready(mode="GUIDED") waits for that'
 
 
 #: The key of the call that sends any command. A command that reads is allowed while several vehicles use one
@@ -46,8 +60,8 @@ PRECONDITIONS: Final[Mapping[str, tuple[Precondition, ...]]] = MappingProxyType(
         "land": (armed,),
         "rtl": (armed,),
         "hold": (armed,),
-        "goto": (armed, airborne),
-        "orbit": (armed, airborne),
+        "goto": (armed, airborne, located),
+        "orbit": (armed, airborne, located),
         "turn": (armed, airborne),
         "transition": (armed, airborne),
         "guided": (armed,),

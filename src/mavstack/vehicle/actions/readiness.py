@@ -28,6 +28,7 @@ from mavstack.vehicle.actions.conditions import SustainedCondition
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.firmware.changes import Changes, undone_on_failure
 from mavstack.vehicle.telemetry.problems import recent
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -82,7 +83,8 @@ async def wait_until_ready(
 
     Args:
         mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
-            takeoff and all other actions do; a submarine needs one only for a mode that is named here.
+            takeoff and all other actions do; a submarine needs one only if its GPS has a fix, or for a mode
+            that is named here.
         keep_mode: Change no mode; then a vehicle in such a mode does not get ready.
         timeout: Seconds to wait; None waits for ever.
 
@@ -93,11 +95,10 @@ async def wait_until_ready(
         HealthTimeout: The vehicle was not ready in time; the text holds its problems.
         RemoteCancelled: The connection was closed.
     """
-    needs_position = firmware_of(vehicle).needs_position(mode)
-    if (health := vehicle.health).ready and (not needs_position or _is_estimated(vehicle)):
+    if (health := vehicle.health).ready and (not _needs_position(vehicle, mode) or _is_estimated(vehicle)):
         return health
     check_timeout(timeout)
-    readiness = _Readiness(vehicle, mode, needs_position)
+    readiness = _Readiness(vehicle, mode)
     changes = Changes(vehicle)
     async with undone_on_failure(changes):
         reports = _request_reports(vehicle, None if keep_mode else changes)
@@ -135,12 +136,11 @@ def _unready_text(health: Health) -> str:
 class _Readiness:
     """Tells when a vehicle will accept arming, from all that it reports."""
 
-    def __init__(self, vehicle: Vehicle, mode: str | None, needs_position: bool) -> None:
-        self._vehicle = vehicle
-        self._needs_position = needs_position
+    def __init__(self, vehicle: Vehicle, mode: str | None) -> None:
+        self._vehicle, self._mode = vehicle, mode
         self._began = vehicle.connection.now()
         self._decisive = _DECISIVE
-        if mode is None or needs_position:
+        if mode is None or _needs_position(vehicle, mode):
             self._decisive |= _DECISIVE_FOR_POSITION
         self._trouble_free = SustainedCondition(vehicle, _TROUBLE_FREE_TIME)
 
@@ -158,9 +158,21 @@ class _Readiness:
         return reports and self._vehicle.alive and health.ready is None and not troubled
 
     def _position_known(self, timeout: float) -> bool:
-        estimated = _is_estimated(self._vehicle) if self._needs_position else True
+        estimated = _is_estimated(self._vehicle) if _needs_position(self._vehicle, self._mode) else True
         late = self._vehicle.connection.now() >= self._began + timeout
         return late if estimated is None else estimated
+
+
+def _needs_position(vehicle: Vehicle, mode: str | None) -> bool:
+    """Return whether a vehicle is ready only with a position.
+
+    A submarine without a named mode may have no position at all; with a fix of its GPS it soon has one, and
+    until then a real ArduSub refuses GUIDED without a word.
+    """
+    if mode is not None or vehicle.vehicle_type is not VehicleType.SUB:
+        return firmware_of(vehicle).needs_position(mode)
+    gps = recent(vehicle.telemetry, common.GpsRawInt)
+    return gps is not None and gps.fix_type >= common.GpsFixType._3D_FIX  # noqa: SLF001 (a member of the enum)
 
 
 def _is_estimated(vehicle: Vehicle) -> bool | None:
