@@ -68,6 +68,7 @@ interop: $(VENV)/installed station ## Run the other tests with programs that are
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	@$(BIN)/python -m tools.compilers nightly
 	$(RUST) cargo test --quiet --profile checks --locked -p mavstack-router -- --ignored
+	@if $(BIN)/python -c "import atheris" 2> /dev/null; then rust/fuzz/run 60 streams; else echo "atheris is not installed: fuzzing skipped"; fi
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800 -o faulthandler_timeout=1860
 	$(BIN)/pytest -n auto --dist loadgroup -m "properties and not interop" --hypothesis-profile thorough --timeout 7200 -o faulthandler_timeout=7260
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200 -o faulthandler_timeout=7260
