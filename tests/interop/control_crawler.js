@@ -22,7 +22,7 @@
     return name.trim()
   }
   // Controls that differ in a number, in what is chosen, or in the name of a parameter or a message, count as one.
-  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/^#\/# .*/, 'a source'], [/ \(#\)$/, ''], [/^# .* #.*/, 'entry of a list'], [/^(Functions of [^:]*): .*/, '$1']]
+  const ALIKE = [[/^(Copter|Plane|Drone) #.*/, 'a vehicle'], [/^Check list .*/, 'Check list'], [/^Plot .*/, 'Plot a field'], [/^#\/# .*/, 'a source'], [/ \(#\)$/, ''], [/^# .* #.*/, 'entry of a list'], [/^(?!Nothing).* .*\.$/, 'a finding'], [/^(Functions of [^:]*): .*/, '$1']]
   const general = name => ALIKE.reduce((short, [pattern, word]) => short.replace(pattern, word), name.replace(/\b[A-Z][A-Z0-9]*_[A-Z0-9_]+\b/g, 'NAME').replace(/[-+\u2212]?\d+(?:[.,:\u2009]\d+)*/g, '#')).slice(0, 90)
   const kindOf = each => each.getAttribute('role') || (each.localName === 'input' ? each.type : each.localName)
   // The entries of a long list are alike.
