@@ -167,9 +167,12 @@ class StationPage:
 
 
 @contextmanager
-def station_page(browser: Any, url: str, size: tuple[int, int], theme: str = "dark") -> Iterator[StationPage]:
+def station_page(
+    browser: Any, url: str, size: tuple[int, int], theme: str = "dark", *, any_certificate: bool = False
+) -> Iterator[StationPage]:
     """Show the station; at the end there must be no problems."""
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=theme)
+    viewport = {"width": size[0], "height": size[1]}
+    context = browser.new_context(viewport=viewport, color_scheme=theme, ignore_https_errors=any_certificate)
     shown = StationPage(context.new_page())
     page = shown.page
 

@@ -13,6 +13,7 @@ import pytest
 from mavstack.cli.main import main
 from mavstack.sim import BackgroundSimulator
 from tests.interop.station import DESKTOP, PATIENT, StationPage, station_page, web_server
+from tests.links.certificates import certificates  # noqa: F401 - a fixture
 from tests.links.test_tcp import free_port
 from tests.sim.running import make_ready
 
@@ -90,4 +91,21 @@ def test_a_vehicle_with_a_websocket_is_flown_without_a_station(browser: Any, tmp
         shown.wait_for("must begin with wss://")
         shown.page.get_by_label("Address of a vehicle or a relay").fill(f"ws://127.0.0.1:{port}?token=open")
         shown.button("Connect").click()
+        fly(shown)
+
+
+@pytest.mark.nightly
+def test_a_vehicle_with_tls_is_flown_without_a_station(
+    browser: Any,
+    tmp_path: Path,
+    certificates: Path,  # noqa: F811
+) -> None:
+    port = free_port()
+    keys = f"cert={certificates}/cert.pem&key={certificates}/key.pem"
+    with (
+        vehicle(f"wssin://127.0.0.1:{port}?{keys}&origin=*&token=open"),
+        web_server(tmp_path) as server,
+        station_page(browser, server.url, DESKTOP, any_certificate=True) as shown,
+    ):
+        connect(shown, f"wss://127.0.0.1:{port}?token=open")
         fly(shown)
