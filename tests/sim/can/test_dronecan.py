@@ -101,3 +101,13 @@ def test_parameters():
     assert len(device.parameters) == 2
     saved = exchange(device, param.ExecuteOpcode.Request(opcode=0), 10)
     assert decoded(saved, param.ExecuteOpcode.Response).ok
+
+
+def test_a_parameter_with_a_high_index():
+    import dronecan
+
+    param = dronecan.uavcan.protocol.param
+    device = node()
+    device.parameters.update({f"P{number}": number for number in range(300)})
+    found = decoded(exchange(device, param.GetSet.Request(index=260), 11), param.GetSet.Response)
+    assert (bytes(found.name), found.value.integer_value) == (b"P260", 260)

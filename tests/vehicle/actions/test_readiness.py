@@ -119,14 +119,17 @@ def test_a_submarine_with_a_fix_waits_for_its_position():
     """A real ArduSub with a fix refuses GUIDED, without a text, until its estimator uses the fix."""
 
     async def scenario(harness):
-        flags, fixes = [WAITING_FOR_GPS], [common.GpsFixType._3D_FIX]
-        report_like_4_0(harness.autopilot, flags)
+        flags, fixes = [WAITING_FOR_GPS], [common.GpsFixType.NO_FIX]
+        report_estimator(harness.autopilot, flags)
         report_gps(harness.autopilot, fixes)
+        await asyncio.sleep(2)
+        assert (await harness.vehicle.wait_until_ready(timeout=15)).ready
+        fixes.append(common.GpsFixType._3D_FIX)
         await asyncio.sleep(2)
         waiting = asyncio.create_task(harness.vehicle.wait_until_ready(timeout=120))
         await asyncio.sleep(30)
         assert not waiting.done()
-        assert (await harness.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=15)).ready is None
+        assert (await harness.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=15)).ready
         flags.append(USING_GPS)
         await asyncio.wait_for(waiting, 20)
 

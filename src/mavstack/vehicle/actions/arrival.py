@@ -205,7 +205,7 @@ class Arrival:
         if not stands or away is None or away <= limit:
             return None
         self.missed_by = away
-        remedy = "allow a larger tolerance, or let it turn in tighter circles"
+        remedy = "allow a larger tolerance, or let it drive slower or turn in tighter circles"
         return f"it passed the location and stopped {away:.2f} m away, the tolerance is {limit:g} m; {remedy}"
 
     def _note_end(self, report: common.MissionItemReached) -> None:
