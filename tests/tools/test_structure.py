@@ -55,6 +55,7 @@ SUBJECTS = {
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
+    "msp": {"recording"},
     "files/parameters": {"formats"},
     "files/plans": {"plan_cases", "round_trips"},
     "logs/packets": {"recordings"},
