@@ -19,8 +19,6 @@ from mavstack.sim.background_controller import BackgroundFlightController
 from mavstack.sim.rangefinders import Rangefinder
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.interop.control_crawler import MAX_ACTIONS, Report, crawl
-from tests.interop.test_station_router import router
-from tests.links.test_tcp import free_port
 from tests.server.browsing import open_pages, web_station
 from tests.server.web_serial import PORT
 from tests.sharing import shared_until_failure
@@ -39,7 +37,7 @@ VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "swarm", "shel
 OTHER_VIEWS = (("router", "ardupilot"), ("generator", "px4"), ("msp", "betaflight"))
 FIRMWARES = ("ardupilot", "px4", "betaflight")
 SHELL = ".shell > :not(main)"
-#: Firmware and device of each view in the interop tests.
+#: Firmware and device of each view in the interop tests; the router has no controls.
 SLICE = (
     ("fly", "px4", True),
     ("plan", "ardupilot", True),
@@ -96,20 +94,15 @@ class World:
         self.new_page = steps.enter_context(open_pages(REFUSALS))
         self.url_of = cache(self._url_of)
 
-    def _url_of(self, firmware: str, *, routed: bool) -> str:
-        sources = [self._steps.enter_context(vehicle_of(firmware)).url]
-        if routed:
-            control, ground = free_port(), free_port()
-            self._steps.enter_context(router(control, *sources, f"udpout://127.0.0.1:{ground}"))
-            sources = [f"udpin://127.0.0.1:{ground}", "--router", f"127.0.0.1:{control}"]
-        folder = self._folder / f"{firmware}-{routed}"
+    def _url_of(self, firmware: str) -> str:
+        vehicle = self._steps.enter_context(vehicle_of(firmware))
+        folder = self._folder / firmware
         folder.mkdir()
-        return str(self._steps.enter_context(web_station(folder, *sources)))
+        return str(self._steps.enter_context(web_station(folder, vehicle.url)))
 
     def crawl(self, view: str, firmware: str, phone: bool, actions: int = MAX_ACTIONS) -> Report:
         """Use the controls of a view."""
-        url = self.url_of(firmware, routed=view == "router")
-        page = self.new_page("about:blank", phone=phone)
+        url, page = self.url_of(firmware), self.new_page("about:blank", phone=phone)
         if view == "msp":
             expose_controller(page)
         address = f"{url}#/{'fly' if view == 'shell' else view}"
