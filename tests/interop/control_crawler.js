@@ -1,7 +1,9 @@
 // Functions of a page under test: the next control to use, and the effects of the last one.
 (() => {
   const SELECTOR = 'button, input, select, textarea, a[href], summary, [role=option], [role=slider]'
-  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan|insert|finish|replay)\b/i
+  const LAST = /\b(close|dismiss|cancel|remove|delete|clear|erase|disconnect|disarm|land|return|terminate|reboot|end|leave|restart|stop|new plan|insert|finish)\b/i
+  // What removes the list that it is in, before what closes it.
+  const LATE = /^Replay/
   // On a phone a list is hidden by what was chosen from it.
   const BACK = /^All messages$/
   const MAX_ATTEMPTS = 2
@@ -38,7 +40,7 @@
   const isChosen = each => each.getAttribute('href') === location.hash || each.matches('[aria-selected=true], [aria-pressed=true], [aria-current], :checked')
   // A choice may remove other fields. A control that is used again comes after the new ones of its kind.
   const isLast = each => each.matches('button, a') && LAST.test(nameOf(each))
-  const rank = each => (isLast(each) ? OPENER + 2 : isOpener(each) ? OPENER : each.matches('button, a') ? 4 : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
+  const rank = each => (isLast(each) ? OPENER + 2 : isOpener(each) ? OPENER : each.matches('button, a') ? (LATE.test(nameOf(each)) ? 5 : 4) : each.matches('select') ? 2 : 0) + (again.has(keyOf(each)) ? 1 : 0)
 
   const seen = new Set(), enabled = new Set(), used = new Set(), nameless = new Set(), reopened = new Set()
   const attempts = new Map(), problems = new Map(), openedBy = new Map(), removedBy = new Map(), again = new Set(), starters = new Set(), drawnFor = new Set()
