@@ -13,9 +13,11 @@ from mavstack.msp import FirmwareInfo
 from mavstack.msp.commands import InavCommand, MspCommand
 from mavstack.msp.messages.navigation import NavStatus
 from mavstack.msp.messages.osd import SetOsdConfig, SetOsdItem, SetOsdTimer
+from mavstack.msp.messages.pid import Pid
 from mavstack.msp.messages.registry import AREAS, all_messages, messages_of, reply_type, request_types
 from mavstack.msp.messages.sensors import Attitude
 from tests.msp.messages.strategies import records
+from tests.recordings.controller import RecordedController
 
 if TYPE_CHECKING:
     from mavstack.msp.messages.layout import TableMessage
@@ -87,3 +89,23 @@ def test_any_payload_decodes_or_is_refused(
 ) -> None:
     with suppress(MspDecodeError):
         assert isinstance(message_type.decode(payload, firmware), message_type)
+
+
+def test_recorded_replies_decode_and_encode_to_the_same_bytes() -> None:
+    controller = RecordedController()
+    known = {
+        command: (found, payload)
+        for command, payload in controller.replies.items()
+        if payload and (found := reply_type(command, controller.info)) is not None
+    }
+    for message, payload in known.values():
+        assert message.decode(payload, controller.info).encode(controller.info) == payload, message.NAME
+    assert len(known) >= 50
+
+
+def test_recorded_gains_are_those_of_a_new_betaflight() -> None:
+    controller = RecordedController()
+    payload = controller.replies[MspCommand.MSP_PID]
+    assert payload is not None
+    roll, pitch, yaw, *_ = Pid.decode(payload, controller.info).controllers
+    assert (roll.p, roll.i, pitch.p, yaw.d) == (45, 80, 47, 0)
