@@ -2,20 +2,23 @@
 
 A step of the avoidance in three dimensions takes turns with a step of pyrvo's RVO2 in two dimensions, for the
 same positions, velocities and number of neighbours. pyrvo's agents are made before the measured time, and its
-velocities are read within it. The assignment of slots is measured beside its target alone.
+velocities are read within it. The assignment of slots takes turns with the solvers of scipy and ortools; the
+time of making their matrix of squared distances counts as theirs.
 """
 
 from __future__ import annotations
 
 import statistics
 import time
+from functools import partial
+from itertools import permutations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from mavstack.swarm.assignment import assign_slots
 from mavstack.swarm.avoidance import Avoidance
-from mavstack.swarm.formations import Formation
+from mavstack.swarm.formations import FORMATIONS, Formation
 
 from .measure import OURS, Ratio, Row, speed_ratio, take_turns
 
@@ -32,6 +35,8 @@ NEIGHBOURS: Final = 30
 STEP_TARGET: Final = 0.010
 ASSIGNMENT_TARGET: Final = 0.100
 PYRVO: Final = "pyrvo (2D)"
+#: The formations that need nothing but a number of vehicles.
+SHAPES: Final = sorted(set(FORMATIONS) - {"points", "text"})
 _DISTANCE, _HORIZON, _SPEED, _STEP = 4.0, 5.0, 5.0, 0.1
 
 
@@ -40,18 +45,17 @@ def rows(bench: Bench) -> Iterator[Row]:
     turns = bench.amounts.turns
     results = measure_steps(turns)
     steps = results[OURS]
-    figures = {name: f"{statistics.median(values) * 1e3:.1f} ms" for name, values in results.items()}
     within = Ratio(
         f"of {STEP_TARGET * 1e3:.0f} ms", tuple(x / STEP_TARGET for x in steps), 1, higher_is_better=False
     )
-    yield Row(f"avoidance, {COUNT:,} vehicles", figures, (within, speed_ratio(results, PYRVO, None)))
-    times = measure_assignments(max(turns // 2, 3))
-    share = tuple(x / ASSIGNMENT_TARGET for x in times)
     yield Row(
-        f"assignment, {COUNT:,} vehicles",
-        {OURS: f"{statistics.median(times) * 1e3:.0f} ms"},
-        (Ratio(f"of {ASSIGNMENT_TARGET * 1e3:.0f} ms", share, 1, higher_is_better=False),),
+        f"avoidance, {COUNT:,} vehicles", _medians(results), (within, speed_ratio(results, PYRVO, None))
     )
+    times = measure_assignments("grid", "wedge", max(turns // 2, 3))
+    share = tuple(x / ASSIGNMENT_TARGET for x in times[OURS])
+    limit = Ratio(f"of {ASSIGNMENT_TARGET * 1e3:.0f} ms", share, 1, higher_is_better=False)
+    peers = [speed_ratio(times, name, None) for name in times if name != OURS]
+    yield Row(f"assignment, {COUNT:,} vehicles", _medians(times), (limit, *peers))
 
 
 def measure_steps(turns: int) -> dict[str, list[float]]:
@@ -62,20 +66,52 @@ def measure_steps(turns: int) -> dict[str, list[float]]:
     return take_turns({OURS: ours, PYRVO: _pyrvo_step(positions, velocities, preferred)}, turns)
 
 
-def measure_assignments(turns: int) -> list[float]:
-    """Return the seconds of each assignment of a grid to a wedge.
+def measure_assignments(shape: str, other: str, turns: int) -> dict[str, list[float]]:
+    """Return the seconds of each assignment of one formation to another, ours and the peers'."""
+    starts, slots = Formation(shape).offsets(COUNT), Formation(other).offsets(COUNT)
+    works: dict[str, Callable[[], object]] = {
+        OURS: lambda: assign_slots(starts, slots),
+        "scipy": lambda: _assign_by_scipy(starts, slots),
+        "ortools": lambda: _assign_by_ortools(starts, slots),
+    }
+    return take_turns({name: _timed(work) for name, work in works.items()}, turns)
 
-    Neither is a line, whose assignment is a sort; of other formations some take less and some twice as long.
-    """
-    starts, slots = Formation("grid").offsets(COUNT), Formation("wedge").offsets(COUNT)
-    return take_turns({OURS: _timed(lambda: assign_slots(starts, slots))}, turns)[OURS]
+
+def _assign_by_scipy(starts: Points, slots: Points) -> None:
+    from scipy.optimize import linear_sum_assignment
+
+    linear_sum_assignment(_squared_distances(starts, slots))
+
+
+def _assign_by_ortools(starts: Points, slots: Points) -> None:
+    from ortools.graph.python.linear_sum_assignment import SimpleLinearSumAssignment
+
+    costs = np.rint(_squared_distances(starts, slots) * 1000.0).astype(np.int64)
+    rows, columns = np.indices(costs.shape, np.int32)
+    solver = SimpleLinearSumAssignment()
+    solver.add_arcs_with_cost(rows.ravel(), columns.ravel(), costs.ravel())
+    solver.solve()
+
+
+def _squared_distances(starts: Points, slots: Points) -> Points:
+    squares: Points = ((starts[:, None] - slots[None]) ** 2).sum(axis=2)
+    return squares
+
+
+def _medians(times: dict[str, list[float]]) -> dict[str, str]:
+    return {name: f"{statistics.median(each) * 1e3:.1f} ms" for name, each in times.items()}
 
 
 def main(turns: int = 7) -> None:
-    """Measure in turns, and print a line for each."""
+    """Measure in turns, and print a line for each; then each pair of formations, in both directions."""
     for name, times in measure_steps(turns).items():
         print(f"avoidance of {COUNT} vehicles, {name}: {statistics.median(times) * 1e3:.2f} ms")
-    print(f"assignment of {COUNT} vehicles: {statistics.median(measure_assignments(turns)) * 1e3:.1f} ms")
+    for name, figure in _medians(measure_assignments("grid", "wedge", turns)).items():
+        print(f"assignment of {COUNT} vehicles, grid to wedge, {name}: {figure}")
+    for shape, other in permutations(SHAPES, 2):
+        starts, slots = Formation(shape).offsets(COUNT), Formation(other).offsets(COUNT)
+        pair = take_turns({OURS: _timed(partial(assign_slots, starts, slots))}, turns)
+        print(f"assignment of {COUNT} vehicles, {shape} to {other}: {_medians(pair)[OURS]}")
 
 
 def _vehicles() -> tuple[Points, Points, Points]:
