@@ -9,9 +9,10 @@ use crate::header::{Header, SIGNATURE};
 use crate::jobs;
 use crate::layout::{Dialect, Layout};
 use crate::parser::Packet;
-use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP};
+use crate::scan::{FrameSpan, Scanner, State};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
+use crate::timestamps::TIMESTAMP;
 use std::collections::BTreeMap;
 
 /// Bytes of a row before the payload: time in microseconds (8), system, component, sequence, version.

@@ -7,7 +7,7 @@ use super::{Index, NO_TIME, Part, ROW_HEADER, TIMESTAMPED_BIT, row_size};
 use crate::header::Header;
 use crate::jobs;
 use crate::layout::{Dialect, FieldType, Layout};
-use crate::scan::{TIMESTAMP, timestamp_microseconds};
+use crate::timestamps::{TIMESTAMP, timestamp_microseconds};
 
 /// Number of bytes of a file whose rows are decoded together.
 const BLOCK: usize = if cfg!(test) { 1 << 12 } else { 1 << 19 };

@@ -21,4 +21,5 @@ pub mod scan;
 pub mod sequence;
 pub mod signing;
 pub mod statistics;
+pub mod timestamps;
 pub mod windows;

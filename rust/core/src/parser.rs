@@ -2,9 +2,10 @@
 
 use crate::header::Header;
 use crate::layout::Dialect;
-use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP, timestamp_microseconds};
+use crate::scan::{FrameSpan, Scanner, State};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
+use crate::timestamps::{TIMESTAMP, timestamp_microseconds};
 
 /// One packet of a stream, borrowed from it.
 #[derive(Clone, Copy, Debug)]

@@ -29,15 +29,11 @@ use crate::header::{CHECKSUM, FLAG_SIGNED, Header, MAGIC_V1, MAGIC_V2, SIGNATURE
 use crate::layout::Dialect;
 use crate::running_crc::RunningCrc;
 use crate::statistics::{Reject, Statistics};
+use crate::timestamps::{TIMESTAMP, ends_with_plausible_time};
 use memchr::memchr2;
-
-pub const TIMESTAMP: usize = 8;
 
 /// Number of rejected checksums in a row after which CRCs are shared by overlapping candidates.
 const MAX_SEPARATE_CHECKSUMS: u32 = 2;
-
-/// Plausible timestamps: the years 2000 to 2099 in microseconds since 1970.
-const PLAUSIBLE_TIMES: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 
 /// Position and header of one packet: `start..start + header.packet_length()` of the scanned bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -329,12 +325,6 @@ impl<'a> Scanner<'a> {
         })
     }
 
-    /// Returns whether the 8 bytes before `start` are a plausible time: after junk they may be junk too.
-    fn has_plausible_time_before(&self, start: usize) -> bool {
-        let stamp = self.data[..start].last_chunk::<TIMESTAMP>();
-        stamp.is_some_and(|stamp| PLAUSIBLE_TIMES.contains(&timestamp_microseconds(*stamp)))
-    }
-
     #[allow(clippy::inline_always, reason = "a call for each packet costs a tenth of the scan")]
     #[inline(always)]
     fn accept(
@@ -346,8 +336,8 @@ impl<'a> Scanner<'a> {
         statistics: &mut Statistics,
     ) -> FrameSpan {
         let State { boundary, floor, .. } = self.state;
-        let timestamped =
-            stamped || (self.timestamped && start - floor >= TIMESTAMP && self.has_plausible_time_before(start));
+        let timestamped = stamped
+            || (self.timestamped && start - floor >= TIMESTAMP && ends_with_plausible_time(&self.data[..start]));
         let found = FrameSpan { start, header, slot, timestamped };
         let end = found.range().end;
         let stamp = if timestamped { TIMESTAMP } else { 0 };
@@ -369,14 +359,6 @@ impl<'a> Scanner<'a> {
         }
         found
     }
-}
-
-/// Decodes a timestamp to microseconds since 1970; the little-endian timestamps of old recorders are recognised.
-#[inline]
-#[must_use]
-pub fn timestamp_microseconds(stamp: [u8; TIMESTAMP]) -> u64 {
-    let (big, little) = (u64::from_be_bytes(stamp), u64::from_le_bytes(stamp));
-    if !PLAUSIBLE_TIMES.contains(&big) && PLAUSIBLE_TIMES.contains(&little) { little } else { big }
 }
 
 /// Number of pairs of neighbouring packets that show whether a file has timestamps.

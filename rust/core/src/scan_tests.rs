@@ -157,14 +157,6 @@ fn a_log_that_starts_inside_a_packet_is_parsed_from_the_next_one() {
     assert_eq!((found.len(), found[0].timestamped, statistics.bad_bytes), (1, true, 12));
 }
 
-#[test]
-fn little_endian_timestamps_of_old_recorders_are_recognised() {
-    let time = 1_330_000_000_000_000u64;
-    assert_eq!(timestamp_microseconds(time.to_be_bytes()), time);
-    assert_eq!(timestamp_microseconds(time.to_le_bytes()), time);
-    assert_eq!(timestamp_microseconds(5u64.to_be_bytes()), 5, "times since boot stay as they are");
-}
-
 pub(crate) fn signed_heartbeat(sequence: u8) -> Vec<u8> {
     let dialect = dialect();
     let mut out = Vec::new();
