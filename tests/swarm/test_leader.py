@@ -38,6 +38,15 @@ def test_a_leader_that_stands_keeps_its_course():
     assert frame.course == 45.0
 
 
+@pytest.mark.parametrize(("speed", "turns"), [(0.49, False), (0.51, True)])
+def test_a_velocity_gives_a_course_from_half_a_metre_per_second_on(speed, turns):
+    frame = LeaderFrame(course=0.0)
+    frame.update(np.zeros(3), np.array([0.0, speed, 0.0]), 0.0)
+    for step in range(100):
+        frame.slots(BEHIND, step * 0.1)
+    assert frame.course == pytest.approx(90.0 if turns else 0.0, abs=0.1)
+
+
 @given(st.floats(1.0, 60.0), st.floats(0.0, 359.0))
 def test_the_frame_turns_at_a_limited_rate_and_its_velocity_is_its_motion(rate, course):
     frame = LeaderFrame(course=course, turn_rate=rate)

@@ -29,6 +29,15 @@ def test_a_survey_is_divided_by_regions(mav):
     assert max(lengths) < 1.05 * min(lengths)
 
 
+def test_vehicles_at_one_height_start_one_after_the_other(mav, tmp_path):
+    words = ("--count", 2, "--layer-spacing", 0, "--start-delay", 40, "--out", tmp_path / "part.plan")
+    assert mav("mission", "survey", *CORNERS, *words).code == 0
+    first, second = (list(read_plan(tmp_path / f"part-{n}.plan").mission.items) for n in (1, 2))
+    assert {each.param7 for each in (*first, *second) if each.name == "NAV_WAYPOINT"} == {30.0}
+    delays = [[each.param1 for each in items if each.name == "NAV_DELAY"] for items in (first, second)]
+    assert delays == [[], [40.0]]
+
+
 def test_a_camera_takes_pictures_and_a_corridor_is_written(mav, tmp_path):
     out = tmp_path / "corridor.plan"
     words = ("--corridor", 60, "--camera", "73.7,53.1", "--overlap", "60,80", "--out", out)
@@ -106,6 +115,11 @@ def test_a_search_of_one_vehicle_is_a_mission(mav, tmp_path):
         ((*CORNERS, "--overlap", "100,0"), 2, "overlaps are"),
         ((*CORNERS[:2], "--dry-run"), 1, "there must be 3 to 1000 corners"),
         ((*CORNERS, "--spacing", "0", "--dry-run"), 1, "spacing must be"),
+        (
+            (*CORNERS, "--start-delay=-1", "--dry-run"),
+            1,
+            "start_delay must be finite and at least 0 s, got -1",
+        ),
         ((*CORNERS, "--count", 2), 2, "add --dry-run or --out FILE"),
         ((*CORNERS, "--count", 2, "--all", "--dry-run"), 2, "--count cannot be used"),
     ],

@@ -60,6 +60,7 @@ def add_plan_options(action: ArgumentParser) -> None:
         ("--bearing", None, "DEGREES", "direction of the tracks (default: the plan's own)"),
         ("--altitude", 30.0, "M", "height of the first vehicle above home (default: 30)"),
         ("--layer-spacing", 10.0, "M", "metres by which each vehicle is higher (default: 10)"),
+        ("--start-delay", 0.0, "S", "seconds by which each vehicle starts later (default: 0)"),
         (
             "--speed",
             None,
@@ -132,8 +133,10 @@ def searcher_of(arguments: Namespace, frame: LocalFrame, vehicle: Vehicle | None
 
 
 def mission_options(arguments: Namespace) -> MissionOptions:
-    """Return the heights and the speed of the arguments."""
-    return MissionOptions(arguments.altitude, arguments.layer_spacing, arguments.speed)
+    """Return the heights, the speed and the delays of the arguments."""
+    return MissionOptions(
+        arguments.altitude, arguments.layer_spacing, arguments.speed, start_delay=arguments.start_delay
+    )
 
 
 def place(text: str) -> tuple[float, float]:

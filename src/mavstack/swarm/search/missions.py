@@ -52,6 +52,12 @@ class MissionOptions:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.altitude) and self.altitude > 0.0):
             raise InvalidArgumentError(f"altitude must be finite and more than 0 m, got {self.altitude:g}")
+        for name, value, unit in (
+            ("layer_spacing", self.layer_spacing, "m"),
+            ("start_delay", self.start_delay, "s"),
+        ):
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidArgumentError(f"{name} must be finite and at least 0 {unit}, got {value:g}")
 
 
 def search_mission(
