@@ -8,17 +8,20 @@ from pathlib import Path
 
 import pytest
 
-from mavstack.cli.registry import COMMANDS
+from mavstack.cli.registry import COMMANDS, command_parser
 
 RECORDING = Path(__file__).parents[1] / "recordings" / "flight.tlog"
 OFFICIAL = Path(import_module("mavstack.dialects").__file__).parent / "definitions" / "minimal.xml"
+RECORDINGS = ("flight.tlog", "fleet.tlog")
 #: Where a vehicle would be; a recording takes its place.
 LINKS = ("udpin://0.0.0.0:14550", "/dev/ttyACM0,57600", "tcp:127.0.0.1:5760")
 NOWHERE = ("--out", "udpout://127.0.0.1:9")
 #: Arguments that end an example that would run without end.
 BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", "2", "--once")}
-#: These are run by tests of their own, against a simulated vehicle, or with files of their own.
+#: These are run by tests of their own: they serve without end, or need a simulated vehicle or files.
 WITH_VEHICLE = (
+    "web",
+    "simulator",
     "record",
     "route",
     "data",
@@ -52,7 +55,8 @@ WITH_VEHICLE = (
 def examples_of(name: str) -> list[list[str]]:
     text = import_module(COMMANDS[name].module).EXAMPLES.split("\n\n", maxsplit=1)[0]
     lines = [line.strip().split("   ")[0] for line in text.splitlines()]
-    return [shlex.split(line.partition(" | ")[0]) for line in lines if line.startswith(f"mav {name}")]
+    commands = [line.partition(" | ")[0] for line in lines if line.startswith(f"mav {name}")]
+    return [shlex.split(each, comments=True) for each in commands]
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -64,10 +68,19 @@ def test_help_shows_examples(mav, name):
     assert examples_of(name)
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_command_understands_its_examples(name):
+    parser = command_parser(name)
+    parse = parser.parse_intermixed_args if COMMANDS[name].mixed else parser.parse_args
+    for example in examples_of(name):
+        end = min((example.index(each) for each in "<>;" if each in example), default=None)
+        assert parse(example[2:end])  # what it does not understand ends the program
+
+
 def words_of(example: list[str]) -> list[str]:
     """The example without what it needs and a test has not."""
     words = [f"file://{RECORDING}?speed=max" if word in LINKS else word for word in example[1:]]
-    words = [str(RECORDING) if word == "flight.tlog" else word for word in words]
+    words = [str(RECORDING) if word in RECORDINGS else word for word in words]
     if "--each" in words:
         words[words.index("--out") + 1] = "udpout://127.0.0.1:9"
         return [*words, *BRIEFLY["sim"][:4]]
@@ -77,17 +90,19 @@ def words_of(example: list[str]) -> list[str]:
     if "--bootloader" in words:
         words[words.index("--out") + 1] = "udpout://127.0.0.1:9"
         return [*words, *BRIEFLY["sim"][:2]]
+    if "--to" in words:
+        words += ["--speed", "100"]
     return [*words, *BRIEFLY.get(words[0], ())]
 
 
-#: An option of the live display; its tests render the display.
-NEEDS_TERMINAL = "--trend"
+#: Options of the live display; its tests render the display.
+NEED_TERMINAL = {"--trend", "--tui"}
 EXAMPLES = [
     example
     for name in COMMANDS
     if name not in WITH_VEHICLE
     for example in examples_of(name)
-    if NEEDS_TERMINAL not in example
+    if NEED_TERMINAL.isdisjoint(example)
 ]
 
 
