@@ -9,10 +9,11 @@ import pytest
 
 from mavstack.cli.shell.runner import run_line
 from mavstack.cli.vehicle.flight_progress import (
-    FlightProgress,
     distance_to_altitude,
     distance_to_home,
     distance_to_place,
+    flight_progress,
+    progress_text,
 )
 from mavstack.dialects import common
 from tests.cli.shell.shell_session import COPTER, in_shell
@@ -41,7 +42,7 @@ def test_shown_on_a_terminal_and_erased(monkeypatch):
 @pytest.mark.flight
 def test_no_output_in_a_pipe(capsys):
     async def scenario(session, world):
-        async with FlightProgress(session.vehicle, "waiting"):
+        async with flight_progress(session.vehicle, "waiting"):
             await asyncio.sleep(3)
 
     in_shell(COPTER, scenario)
@@ -57,7 +58,7 @@ def test_remaining_distance(capsys):
         north, east = world.simulated.body.frame.to_global(30.0, 40.0, 0.0)[:2]
         assert distance_to_place(north, east)(vehicle) == pytest.approx(50, abs=2)
         assert distance_to_home(vehicle) == pytest.approx(0, abs=2)
-        text = FlightProgress(vehicle, "going", distance_to_place(north, east)).text()
+        text = progress_text(vehicle, "going", distance_to_place(north, east))
         assert text.startswith("going: ")
         assert text.endswith(" m to go, STABILIZE")
 

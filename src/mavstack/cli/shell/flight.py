@@ -10,10 +10,10 @@ from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_number
 from mavstack.cli.shell.session import Command
 from mavstack.cli.vehicle.flight_progress import (
-    FlightProgress,
     distance_to_altitude,
     distance_to_home,
     distance_to_place,
+    flight_progress,
     height_above_home,
 )
 from mavstack.cli.vehicle.interruption import notice_of_interruption
@@ -38,7 +38,7 @@ async def _fly(
     session: Session, title: str, action: Awaitable[None], remaining: Remaining | None = None
 ) -> None:
     with notice_of_interruption(session.vehicle, title):
-        async with FlightProgress(session.vehicle, title, remaining):
+        async with flight_progress(session.vehicle, title, remaining):
             await action
 
 

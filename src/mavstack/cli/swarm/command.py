@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_connection
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.live_line import LiveLine
 from mavstack.cli.common.options import finite_number, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import selected_vehicles
 from mavstack.cli.mission.search import add_search_arguments, search
+from mavstack.cli.swarm.progress import heights_text, progress_text
 from mavstack.cli.swarm.show import add_show_arguments, check, limits, margins, read_show, write_files
 from mavstack.swarm.formations import FORMATIONS, Formation, default_spacing
 from mavstack.vehicle.following.follow import LEVELS
@@ -330,9 +332,11 @@ def _run_on_swarm(
         vehicles = await _vehicles(connection, arguments)
         _announce(arguments, vehicles)
         if prepare is not None:
-            await prepare(Group(vehicles))
+            async with LiveLine(lambda: heights_text("takeoff", vehicles)):
+                await prepare(Group(vehicles))
         async with Swarm(vehicles, options) as swarm:
-            text = await work(swarm)
+            async with LiveLine(lambda: progress_text(arguments.action, swarm)):
+                text = await work(swarm)
             separation = swarm.smallest_separation
         _report(arguments, vehicles, text, separation)
         return 0
@@ -346,7 +350,9 @@ def _run_on_group(arguments: Namespace, work: Callable[[Group], Awaitable[str]])
     async def run_group(connection: Connection) -> int:
         vehicles = await _vehicles(connection, arguments)
         _announce(arguments, vehicles)
-        _report(arguments, vehicles, await work(Group(vehicles)), None)
+        async with LiveLine(lambda: heights_text(arguments.action, vehicles)):
+            text = await work(Group(vehicles))
+        _report(arguments, vehicles, text, None)
         return 0
 
     return run_on_connection(arguments, run_group)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.common.selection import mention_conflict, of_vehicle, selected_vehicles, selects_several
-from mavstack.cli.vehicle.flight_progress import FlightProgress
+from mavstack.cli.vehicle.flight_progress import flight_progress
 from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.errors import MavstackError
 
@@ -81,7 +81,7 @@ async def _run_on_one(
 ) -> int:
     try:
         with _notice(vehicle, arguments):
-            async with FlightProgress(vehicle, arguments.action, remaining):
+            async with flight_progress(vehicle, arguments.action, remaining):
                 text = await work(vehicle)
     except MavstackError as error:
         if arguments.json:
