@@ -55,7 +55,6 @@ SUBJECTS = {
     "cli": {"help", "process", "realdata", "redaction"},
     "cli/vehicle": {"modes"},
     "files/parameter_metadata": {"formats"},
-    "msp": {"recording"},
     "files/parameters": {"formats"},
     "files/plans": {"plan_cases", "round_trips"},
     "logs/packets": {"recordings"},

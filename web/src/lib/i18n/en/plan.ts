@@ -80,7 +80,7 @@ export const plan = {
   pictures: 'Pictures',
   pictureDistance: 'Picture every',
   crosshatch: 'Second pass across',
-  startCorner: 'Start at another corner',
+  startCorner: 'Start at another corner ({corner} of 4)',
   reverse: 'Start at the other end',
   insertPattern: 'Insert into the mission',
   replacePattern: 'Change it in the mission',
