@@ -36,6 +36,8 @@ VIEWS = ("fly", "plan", "setup", "inspect", "logs", "dashboards", "swarm", "shel
 #: The views that are the same for all vehicles, with the firmware of the station.
 OTHER_VIEWS = (("router", "ardupilot"), ("generator", "px4"), ("msp", "betaflight"))
 FIRMWARES = ("ardupilot", "px4", "betaflight")
+#: The views in which iNav differs from Betaflight: it navigates and has plans.
+INAV_VIEWS = tuple((view, "inav") for view in ("fly", "plan", "setup"))
 SHELL = ".shell > :not(main)"
 #: Firmware and device of each view in the interop tests; the router has no controls.
 SLICE = (
@@ -121,7 +123,7 @@ def world(folder: Path) -> Iterator[World]:
 
 def vehicle_of(firmware: str) -> BackgroundSimulator | BackgroundFlightController:
     """Return a flight controller, or two copters with all payloads."""
-    if firmware == "betaflight":
+    if firmware in {"betaflight", "inav"}:
         return BackgroundFlightController(firmware)
     simulator = BackgroundSimulator(count=0)
     for _ in range(2):
@@ -163,7 +165,8 @@ def test_controls_of_each_view(world: World, view: str, firmware: str, phone: bo
 @pytest.mark.nightly
 @pytest.mark.parametrize("phone", [False, True], ids=["desktop", "phone"])
 @pytest.mark.parametrize(
-    ("view", "firmware"), [*((view, firmware) for firmware in FIRMWARES for view in VIEWS), *OTHER_VIEWS]
+    ("view", "firmware"),
+    [*((view, firmware) for firmware in FIRMWARES for view in VIEWS), *INAV_VIEWS, *OTHER_VIEWS],
 )
 def test_every_control(world: World, firmware: str, view: str, phone: bool) -> None:
     report = world.crawl(view, firmware, phone)
