@@ -88,6 +88,21 @@ def test_large_assignments_have_the_optimum_of_ortools(shape):
     assert costs[np.arange(count), chosen].sum() == pytest.approx(solver.optimal_cost(), rel=1e-6)
 
 
+def test_the_solver_finds_a_free_slot_in_each_row_and_column(monkeypatch):
+    given_costs = []
+
+    def solve(costs):
+        given_costs.append(costs)
+        return linear_sum_assignment(costs)
+
+    monkeypatch.setattr("scipy.optimize.linear_sum_assignment", solve)
+    assign_slots(Formation("wedge").offsets(150), Formation("grid").offsets(150))
+    (costs,) = given_costs
+    assert costs.min() >= 0.0
+    assert not costs.min(axis=0).any()
+    assert (costs.min(axis=1) < 1e-6 * costs.max()).all()
+
+
 def test_there_may_be_more_slots_but_not_fewer():
     assert assign_slots(np.zeros((1, 3)), np.array([[9.0, 0, 0], [1.0, 0, 0]])).tolist() == [1]
     with pytest.raises(InvalidArgumentError, match="a slot for each vehicle, got 1 for 2"):

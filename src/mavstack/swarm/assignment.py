@@ -32,7 +32,7 @@ _SMALLEST_REDUCED: Final = 100
 #: The largest cost in units of Sinkhorn's iteration, chosen so that its exponential does not underflow, and
 #: the number of iterations in each stage.
 _SINKHORN_RANGE: Final = 70.0
-_SINKHORN_STEPS: Final = 12
+_SINKHORN_STEPS: Final = 20
 #: The unit of each stage is the unit of the first stage divided by this number.
 _SINKHORN_STAGES: Final = (1.0, 6.0, 36.0)
 #: Points are on one line if they are no further from it than this part of its length.
@@ -126,8 +126,10 @@ def _reduced(costs: Points) -> Points:
     the optimal ones most paths are one step. Sinkhorn's iteration finds them: it scales exp(-cost / unit)
     until all rows and columns have the same sum. The unit of the first stage is a part of the largest cost,
     whose exponential must not be 0; each further stage begins with the prices of the one before and has a
-    smaller unit, which resolves the differences of neighbouring slots in long formations. With more columns
-    than rows the optimum would change, so such costs stay as they are.
+    smaller unit, which resolves the differences of neighbouring slots in long formations. At the end the
+    prices are raised until each row and each column has a cost of 0 and none is negative, so that the solver
+    finds a free slot at once for most vehicles. With more columns than rows the optimum would change, so such
+    costs stay as they are.
     """
     rows, columns = costs.shape
     largest = float(costs.max(initial=0.0))
@@ -147,6 +149,8 @@ def _reduced(costs: Points) -> Points:
         return costs
     reduced: Points = costs - row_prices[:, None]
     reduced -= column_prices
+    reduced -= reduced.min(axis=1)[:, None]
+    reduced -= reduced.min(axis=0)
     return reduced
 
 

@@ -8,12 +8,12 @@ that know the order agree without a message. A lost member's slot is closed up b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
 #: Seconds without a position report after which a member is lost.
 MEMBER_TIMEOUT = 3.0
@@ -32,6 +32,9 @@ class RosterChange:
     lost: tuple[int, ...] = ()
     returned: tuple[int, ...] = ()
     leader: int | None = None
+
+
+_NO_CHANGE: Final = RosterChange()
 
 
 class Roster:
@@ -57,13 +60,12 @@ class Roster:
     @property
     def present(self) -> tuple[int, ...]:
         """The members that are present, in order."""
-        absent = self._lost | self._gone
-        return tuple(member for member in self.members if member not in absent)
+        return tuple(self._present())
 
     @property
     def leader(self) -> int | None:
         """The first member that is present; None if there is none."""
-        return next(iter(self.present), None)
+        return next(self._present(), None)
 
     @property
     def slots(self) -> dict[int, int]:
@@ -90,8 +92,10 @@ class Roster:
         Returns:
             The change since the last call.
         """
-        before = self.leader
         late = {each for each in self.members if now - last_seen.get(each, -1e9) > self._timeout} - self._gone
+        if late == self._lost:
+            return _NO_CHANGE
+        before = self.leader
         lost = tuple(each for each in self.members if each in late - self._lost)
         returned = tuple(each for each in self.members if each in self._lost - late)
         self._lost = late
@@ -99,3 +103,7 @@ class Roster:
 
     def _change(self, lost: tuple[int, ...], returned: tuple[int, ...], before: int | None) -> RosterChange:
         return RosterChange(lost, returned, self.leader if self.leader != before else None)
+
+    def _present(self) -> Iterator[int]:
+        absent = self._lost | self._gone
+        return (member for member in self.members if member not in absent)

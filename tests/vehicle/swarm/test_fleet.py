@@ -150,9 +150,16 @@ def test_a_member_without_a_new_setpoint_does_not_fly_on(host, north):
     assert host.sent == [first]
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_place_that_is_known_in_part_is_not_flown_to(host, axis):
+    place = [10.0, 20.0, 20.0]
+    place[axis] = math.nan
+    assert isinstance(send(host, place, (1.0, 2.0, 0.5)), common.SetPositionTargetLocalNed)
+
+
 def test_each_member_is_checked_in_turn(host):
-    members = [Member(system, **HERE) for system in range(1, 6)]
+    members = [Member(system, **HERE) for system in range(1, 8)]
     fleet = Fleet(members, FRAME)
-    for _ in range(6):
+    for _ in range(10):
         fleet.check()
-    assert [each.checks for each in members] == [2] * 5
+    assert [each.checks for each in members] == [2] * 7

@@ -26,7 +26,7 @@ from mavstack.swarm.frame import to_global, to_local
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Self
+    from typing import Any, Self
 
     import numpy.typing as npt
 
@@ -43,13 +43,15 @@ _KEEPS_VELOCITY: Final = 3.0
 #: Seconds for which a position is extrapolated with the velocity.
 _EXTRAPOLATION: Final = 1.0
 #: Each member is checked once in this number of steps: modes and heartbeats are reported once a second.
-_CHECK_STEPS: Final = 3
+_CHECK_STEPS: Final = 5
 _MASK: Final = common.PositionTargetTypemask
 _NO_YAW: Final = int(_MASK.YAW_IGNORE | _MASK.YAW_RATE_IGNORE)
 _NO_ACCELERATION: Final = _NO_YAW | int(_MASK.AX_IGNORE | _MASK.AY_IGNORE | _MASK.AZ_IGNORE)
 _VELOCITY: Final = _NO_ACCELERATION | int(_MASK.X_IGNORE | _MASK.Y_IGNORE | _MASK.Z_IGNORE)
 _GLOBAL: Final = common.MavFrame.GLOBAL_INT
 _LOCAL: Final = common.MavFrame.LOCAL_NED
+#: The axes of the wire are north, east, down.
+_NED: Final = (1.0, 1.0, -1.0)
 #: The values of a vehicle whose position is not known.
 _UNKNOWN: Final = (-np.inf, np.nan, np.nan, np.nan, np.nan, 0.0, 0.0, 0.0)
 
@@ -156,10 +158,12 @@ class Fleet:
         milliseconds = round((now - self._begin) * 1000.0) & 0xFFFFFFFF
         motion = setpoints.velocities.copy()
         motion[:, 2] = np.maximum(motion[:, 2], _lowest_speeds(heights))
-        rows = np.hstack((to_global(self._frame, setpoints.places), motion, setpoints.accelerations))
-        return [
-            _message(member, row, milliseconds) for member, row in zip(members, rows.tolist(), strict=True)
-        ]
+        places = to_global(self._frame, setpoints.places)
+        known = np.isfinite(places).all(axis=1)
+        degrees = np.rint(np.nan_to_num(places[:, :2]) * 1e7).astype(np.int64)
+        columns = (known, *degrees.T, places[:, 2], *(motion * _NED).T, *(setpoints.accelerations * _NED).T)
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return [_message(member, row, milliseconds) for member, row in zip(members, rows, strict=True)]
 
 
 def read_states(members: Sequence[Member], frame: LocalFrame, now: float) -> Readings:
@@ -196,10 +200,10 @@ def _row(member: Member) -> tuple[float, ...]:
     )
 
 
-def _message(member: Member, row: list[float], milliseconds: int) -> SetpointMessage:
-    latitude, longitude, altitude, north, east, up, *acceleration = row
+def _message(member: Member, row: Sequence[Any], milliseconds: int) -> SetpointMessage:
+    known, latitude, longitude, altitude, north, east, down, *acceleration = row
     target = member.address
-    if latitude != latitude:  # NaN: there is no place
+    if not known:
         return common.SetPositionTargetLocalNed(
             time_boot_ms=milliseconds,
             target_system=target.system,
@@ -208,24 +212,24 @@ def _message(member: Member, row: list[float], milliseconds: int) -> SetpointMes
             type_mask=_VELOCITY,
             vx=north,
             vy=east,
-            vz=-up,
+            vz=down,
         )
-    faster = acceleration if member.follows_acceleration else (0.0, 0.0, 0.0)
+    forward, right, under = acceleration if member.follows_acceleration else (0.0, 0.0, 0.0)
     return common.SetPositionTargetGlobalInt(
         time_boot_ms=milliseconds,
         target_system=target.system,
         target_component=target.component,
         coordinate_frame=_GLOBAL,
         type_mask=_NO_YAW if member.follows_acceleration else _NO_ACCELERATION,
-        lat_int=round(latitude * 1e7),
-        lon_int=round(longitude * 1e7),
+        lat_int=latitude,
+        lon_int=longitude,
         alt=altitude,
         vx=north,
         vy=east,
-        vz=-up,
-        afx=faster[0],
-        afy=faster[1],
-        afz=-faster[2],
+        vz=down,
+        afx=forward,
+        afy=right,
+        afz=under,
     )
 
 

@@ -105,9 +105,12 @@ class Telemetry(LoopBound):
 
     def latest_with_time(self, message: type[AnyMessage]) -> tuple[AnyMessage, float] | None:
         """Return the last message of a class from the autopilot, and when it was received in Unix seconds."""
-        stored = self._intake.latest(self._source(None), message.__mavlink_row__[0])
-        found = None if stored is None else stored[0].message
-        return (found, stored[1]) if stored is not None and isinstance(found, message) else None
+        stored = self._intake.latest(self.component.address, message.__mavlink_row__[0])
+        if stored is None:
+            return None
+        packet, received_at = stored
+        found = packet.message
+        return (found, received_at) if isinstance(found, message) else None
 
     def received_at(self, message: type[Message], component: int | None = None) -> float | None:
         """Return the time when the last message of a class was received, in Unix seconds."""
@@ -218,4 +221,4 @@ class Telemetry(LoopBound):
             self.ready_since = (self.ready_since or now) if ready else None
 
     def _source(self, component: int | None) -> tuple[int, int]:
-        return self._system, self.component.address.component if component is None else int(component)
+        return self.component.address if component is None else (self._system, int(component))
