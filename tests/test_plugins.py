@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
@@ -81,3 +82,56 @@ def test_a_plugin_that_ends_the_program_is_not_hidden(broken, monkeypatch):
 
 def interrupt(entry, loaded):
     raise KeyboardInterrupt
+
+
+@pytest.fixture
+def look_up(monkeypatch):
+    """Return the names of plug-ins; the second value says whether all metadata had to be parsed."""
+    from importlib import metadata
+
+    calls, original = [], metadata.entry_points
+    monkeypatch.setattr(metadata, "entry_points", lambda **group: calls.append(group) or original(**group))
+
+    def look_up():
+        calls.clear()
+        return Registry[object]("thing", "mavstack.test_things").names(), bool(calls)
+
+    return look_up
+
+
+def test_metadata_is_not_parsed_if_no_distribution_names_the_group(look_up):
+    assert look_up() == ((), False)
+
+
+@pytest.mark.parametrize("folder", ["thing-1.0.dist-info", "thing.egg-info"])
+def test_a_plugin_of_a_distribution_on_the_path_is_found(look_up, folder, tmp_path, monkeypatch):
+    (tmp_path / folder).mkdir()
+    (tmp_path / folder / "METADATA").write_text("Name: thing\n")
+    (tmp_path / folder / "PKG-INFO").write_text("Name: thing\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    points = tmp_path / folder / "entry_points.txt"
+    points.write_text("[console_scripts]\nthing = mavstack.test_things:main\n")
+    assert look_up() == ((), False)
+    points.write_text("[mavstack.test_things]\nthing = thing:THING\n")
+    assert look_up() == (("thing",), True)
+
+
+def test_metadata_in_an_archive_is_parsed(look_up, tmp_path, monkeypatch):
+    archive = tmp_path / "thing.egg"
+    archive.write_bytes(b"")
+    monkeypatch.setattr(sys, "path", [*sys.path, str(archive)])
+    assert look_up() == ((), True)
+
+
+def test_metadata_of_other_finders_is_parsed(look_up, monkeypatch):
+    class Finder:
+        @staticmethod
+        def find_spec(*arguments):
+            return None
+
+        @staticmethod
+        def find_distributions(context):
+            return ()
+
+    monkeypatch.setattr(sys, "meta_path", [*sys.meta_path, Finder])
+    assert look_up() == ((), True)

@@ -10,8 +10,12 @@ caller that asks for it by its name.
 
 from __future__ import annotations
 
+import os
+import sys
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from importlib.machinery import PathFinder
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from mavstack.errors import InvalidArgumentError
 
@@ -20,6 +24,8 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint, EntryPoints
 
 Item = TypeVar("Item")
+#: The ends of the folders with the metadata of distributions, and of their parents in old ones.
+_METADATA: Final = (".dist-info", ".egg-info", "EGG-INFO")
 
 
 class Registry(Generic[Item]):
@@ -64,9 +70,9 @@ class Registry(Generic[Item]):
 
     def plugins(self) -> EntryPoints:
         """Return the entry points of other packages."""
-        from importlib.metadata import entry_points
+        from importlib.metadata import EntryPoints, entry_points
 
-        return entry_points(group=self.group)
+        return entry_points(group=self.group) if _may_be_declared(self.group) else EntryPoints()
 
     def get(self, name: str) -> Item:
         """Return the object of a name; a built-in one takes precedence.
@@ -139,6 +145,36 @@ class Registry(Generic[Item]):
         if entry.name not in self._left_out:
             self._left_out.add(entry.name)
             self._report(f"plug-in {_name(entry)} was left out: {_reason(error)}")
+
+
+def _may_be_declared(group: str) -> bool:
+    """Return whether a distribution may have entry points of a group.
+
+    `importlib.metadata` parses all metadata of all distributions, which took a quarter of the start of some
+    commands. Almost always no distribution names the group, and a search for its name shows that.
+    """
+    if any(finder is not PathFinder and hasattr(finder, "find_distributions") for finder in sys.meta_path):
+        return True
+    section = f"[{group}]".encode()
+    return any(_may_declare(path or ".", section) for path in sys.path)
+
+
+def _may_declare(path: str, section: bytes) -> bool:
+    try:
+        with os.scandir(path) as entries:
+            folders = [entry.path for entry in entries if entry.name.endswith(_METADATA)]
+    except NotADirectoryError:
+        return True  # an archive
+    except OSError:
+        return False
+    return any(_is_in(section, Path(folder, "entry_points.txt")) for folder in folders)
+
+
+def _is_in(section: bytes, file: Path) -> bool:
+    try:
+        return section in file.read_bytes()
+    except OSError:
+        return False
 
 
 def _name(entry: EntryPoint) -> str:

@@ -15,7 +15,7 @@ from mavstack.bridges.core.calls import CALLS, VehicleCalls
 from mavstack.bridges.core.plain_json import json_bytes, parse_object
 from mavstack.bridges.core.services.context import ServiceContext
 from mavstack.bridges.core.snapshots import GROUPS
-from mavstack.bridges.zenoh.frame_batch import FrameBatch
+from mavstack.bridges.zenoh.frame_batch import samples_of
 from mavstack.bridges.zenoh.frame_guard import FrameGuard
 from mavstack.bridges.zenoh.keys import VehicleKeys, command_of
 from mavstack.bridges.zenoh.message_publisher import MessagePublishers
@@ -66,7 +66,7 @@ class FleetVehicle:
         self.requests = RequestLog()
         self._bus = bus
         self._role = role
-        self._batch = FrameBatch()
+        self._waiting: list[bytes] = []
         self._batch_pending = batch_pending
         self._calls = VehicleCalls(vehicle, role, ServiceContext(_ignore))
         self._messages = MessagePublishers(bus, keys)
@@ -133,11 +133,10 @@ class FleetVehicle:
 
     def flush(self) -> None:
         """Put the packets that wait."""
-        self._put_frames(self._batch.take())
-
-    def _put_frames(self, data: bytes) -> None:
-        if data and self._frames is not None:
-            self._frames.put(data)
+        packets, self._waiting = self._waiting, []
+        if self._frames is not None:
+            for sample in samples_of(packets):
+                self._frames.put(sample)
 
     def _set_frames(self, matching: bool) -> None:
         self._listen("frames", self._on_packet if matching else None)
@@ -158,9 +157,10 @@ class FleetVehicle:
             self._listeners[name] = node.add_packet_listener(None, receive, system=system)
 
     def _on_packet(self, packet: Packet) -> None:
-        if self._batch.is_empty:
+        # Each packet of a fleet comes here: no calls.
+        if not self._waiting:
             self._batch_pending(self)
-        self._put_frames(self._batch.add(packet.raw))
+        self._waiting.append(packet.raw)
 
     # To the vehicle
 

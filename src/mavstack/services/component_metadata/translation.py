@@ -11,10 +11,10 @@ MAVLink, component_metadata/translation.schema.json; QGroundControl, ComponentIn
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from typing import TYPE_CHECKING, Any, Final
-from xml.sax.saxutils import escape
 
 from mavstack.dialects.xml_reader import read_tree
 from mavstack.errors import DialectError, MetadataError
@@ -190,9 +190,14 @@ def to_ts(translations: Mapping[str, str], locale: str) -> bytes:
         The uncompressed file.
     """
     contexts = "".join(
-        f"<context><name>{escape(name)}</name><message><source/><translation>{escape(text)}</translation>"
+        f"<context><name>{_escaped(name)}</name><message><source/><translation>{_escaped(text)}</translation>"
         "</message></context>\n"
         for name, text in translations.items()
     )
     head = '<?xml version="1.0" encoding="utf-8"?>\n<!DOCTYPE TS>\n'
     return f'{head}<TS version="2.1" language="{locale}">\n{contexts}</TS>\n'.encode()
+
+
+def _escaped(text: str) -> str:
+    # `xml.sax.saxutils` imports a client of HTTP, which each program with a vehicle would load.
+    return html.escape(text, quote=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import fmean, pstdev
+from math import dist, fsum, sqrt
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +43,9 @@ class PingStatistics:
     @property
     def mean(self) -> float:
         """The mean round trip, seconds."""
-        return fmean(self.round_trips)
+        return fsum(self.round_trips) / self.received
 
     @property
     def deviation(self) -> float:
         """The standard deviation of the round trips, seconds."""
-        return pstdev(self.round_trips)
+        return dist(self.round_trips, (self.mean,) * self.received) / sqrt(self.received)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from statistics import fmean
+from math import fsum
 
 WINDOW = 32
 #: An exchange counts if its round trip is at most this multiple of the shortest one, plus this margin in
@@ -85,4 +85,4 @@ class OffsetEstimator:
     def _update(self) -> None:
         shortest = min(round_trip for round_trip, _ in self._samples)
         good = [offset for round_trip, offset in self._samples if round_trip <= shortest * RATIO + MARGIN]
-        self.estimate = TimeOffset(fmean(good), shortest, self._count)
+        self.estimate = TimeOffset(fsum(good) / len(good), shortest, self._count)
