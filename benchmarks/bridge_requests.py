@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import socket
+import subprocess
+import sys
 import threading
 import time
 from statistics import median, quantiles
@@ -34,6 +36,19 @@ MAX_START, STARTS = 1.0, 3
 _ANSWER_TIME: Final = 0.005
 _SETPOINT_INTERVAL: Final = 0.02
 _READY_TIME: Final = 4.0
+_QUERYABLE: Final = """
+import json, sys, time, zenoh
+config = zenoh.Config()
+config.insert_json5("mode", '"client"')
+config.insert_json5("connect/endpoints", json.dumps([sys.argv[1]]))
+with zenoh.open(config) as session:
+    def answer(query):
+        with query:
+            query.reply("bench/echo", query.payload)
+    queryable = session.declare_queryable("bench/echo", zenoh.handlers.Callback(answer, indirect=False))
+    print("ready", flush=True)
+    time.sleep(600)
+"""
 _SERVICE: Final = "mavros_msgs/srv/CommandLong"
 _SETPOINT: Final = "geometry_msgs/msg/PoseStamped"
 _REQUEST: Final = {
@@ -113,10 +128,11 @@ def rows(bench: Bench) -> Iterator[Row]:
         with router(zenoh) as (session, endpoint):
             yield _start_row("zenoh", "mavstack/*/frame/out", session, port, endpoint)
             yield _start_row("ros2", "**/imu/data/**", session, port, endpoint)
+            bare = _of_queryable(session, endpoint, count)
             with bridge("zenoh", port, endpoint, "--allow-control"):
-                yield _service_row("zenoh", vehicle, _fleet_call(session), count)
+                yield _service_row("zenoh", vehicle, _fleet_call(session), count, bare)
             with bridge("ros2", port, endpoint, "--allow-control"):
-                yield _service_row("ros2", vehicle, _ros2_call(session), count)
+                yield _service_row("ros2", vehicle, _ros2_call(session), count, bare)
                 yield _setpoint_row(session, vehicle, count)
     finally:
         vehicle.close()
@@ -138,7 +154,25 @@ def _start_row(name: str, key: str, session: Any, port: int, endpoint: str) -> R
     return Row(f"mav bridge {name}: first sample after the start", figures, (_ratio(MAX_START, "s", limits),))
 
 
-def _service_row(name: str, vehicle: _Vehicle, call: Callable[[], bool], count: int) -> Row:
+def _of_queryable(session: Any, endpoint: str, count: int) -> list[float]:  # noqa: ANN401 (of Zenoh)
+    """Return the milliseconds of requests to a process that echoes them: the part of the library."""
+    command = [sys.executable, "-c", _QUERYABLE, endpoint]
+    times = []
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        for _ in range(count):
+            time.sleep(_ANSWER_TIME)
+            begun = time.perf_counter()
+            (_,) = session.get("bench/echo", payload=bytes(64), timeout=5.0)
+            times.append(1e3 * (time.perf_counter() - begun))
+        process.kill()
+    return times
+
+
+def _service_row(
+    name: str, vehicle: _Vehicle, call: Callable[[], bool], count: int, bare: list[float]
+) -> Row:
     time.sleep(_READY_TIME)
     vehicle.answers.clear()
     added = []
@@ -148,7 +182,8 @@ def _service_row(name: str, vehicle: _Vehicle, call: Callable[[], bool], count: 
         ended = time.perf_counter()
         assert accepted
         added.append(1e3 * (ended - begun - vehicle.answers[-1]))
-    figures = {OURS: f"{median(added):.2f}, {quantiles(added, n=100)[98]:.2f} ms"}
+    tail = quantiles(added, n=100)[98]
+    figures = {OURS: f"{median(added):.2f}, {tail:.2f} ms; Zenoh alone {median(bare):.2f} ms"}
     work = f"mav bridge {name}: service beyond the vehicle's answer: median, 99th percentile"
     return Row(work, figures, (_ratio(MAX_SERVICE, "ms", (MAX_SERVICE / median(added),)),))
 

@@ -34,9 +34,13 @@ def test_a_broker_without_vehicles() -> None:
     assert text.startswith("no vehicle is below fleet/: does `mav bridge mqtt` run")
 
 
-def test_the_number_of_clients() -> None:
-    (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": b"4"})
-    assert first.text == "the broker mqtt://b:1883 has 3 clients, with one for each vehicle of a bridge"
+@pytest.mark.parametrize(("count", "others"), [(b"1", "0 clients"), (b"2", "1 client"), (b"4", "3 clients")])
+def test_the_number_of_clients(count: bytes, others: str) -> None:
+    (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": count})
+    assert first.text == f"the broker mqtt://b:1883 has {others}, with one for each vehicle of a bridge"
+
+
+def test_a_number_of_clients_that_is_not_one() -> None:
     (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": b"\xff"})
     assert first.text == "the broker mqtt://b:1883 accepts clients, and does not report their number"
     (first, _) = describe("mqtt://b:1883", "x", {"$SYS/broker/clients/connected": b"9" * 5000})

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import lzma
+import subprocess
+import sys
 from contextlib import suppress
 
 import pytest
@@ -162,3 +164,9 @@ def test_rules_that_reach_values_in_too_many_ways():
     rules = {**again, "$defs": {"all": {"items": {"x": again, "*": again}, "list": {}}}}
     with pytest.raises(MetadataError, match="nested too deeply"):
         translated({"x": value}, rules, {})
+
+
+def test_programs_with_a_vehicle_import_no_client_of_http():
+    program = "import sys\nimport mavstack.vehicle\nprint(' '.join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    assert {"http.client", "urllib.request", "fractions"}.isdisjoint(done.stdout.split())

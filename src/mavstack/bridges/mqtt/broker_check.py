@@ -64,7 +64,8 @@ def describe(broker: str, prefix: str, kept: dict[str, bytes]) -> Iterator[Findi
     count = kept.get(_CLIENTS, b"").decode("ascii", "replace")
     if count.isdecimal() and len(count) <= _MAX_DIGITS:
         others = max(int(count) - 1, 0)
-        text = f"the broker {broker} has {others} clients, with one for each vehicle of a bridge"
+        clients = "1 client" if others == 1 else f"{others} clients"
+        text = f"the broker {broker} has {clients}, with one for each vehicle of a bridge"
         yield Finding(True, text)
     else:
         yield Finding(True, f"the broker {broker} accepts clients, and does not report their number")
