@@ -64,6 +64,21 @@ def test_a_message_leaves_at_the_end_of_the_turn_or_at_once() -> None:
         assert len(sent) == 1
         pair.remote.send(common.Attitude(), at_once=True)
         assert len(sent) == 2
+        pair.remote.send(common.Attitude(time_boot_ms=3))
+        pair.remote.send(common.Attitude(time_boot_ms=4), at_once=True)
+        assert [each[10] for each in sent[2:]] == [3, 4]  # the order of the calls
+
+    with_pair(work)
+
+
+def test_nothing_is_written_at_once_while_the_node_closes() -> None:
+    async def work(pair: VehiclePair) -> None:
+        sent: list[bytes] = []
+        host = pair.remote._host
+        await host.driver.stop()
+        host.sent_listeners.append(sent.append)
+        pair.remote.send(common.Attitude(), at_once=True)
+        assert sent == []
 
     with_pair(work)
 

@@ -138,7 +138,7 @@ class ChannelState(LoopBound):
         sequences = {source: encoder.sequence for source, encoder in self._encoders.items()}
         self._encoders.clear()
         for source, sequence in sequences.items():
-            self._encoder(source).sequence = sequence
+            (self._encoders.get(source) or self._new_encoder(source)).sequence = sequence
 
     def receive(self, data: bytes, now: float) -> list[Packet]:
         """Return the packets that the bytes complete."""
@@ -196,15 +196,13 @@ class ChannelState(LoopBound):
 
     def encode(self, message: Message, source: Address, now: float, priority: Priority) -> bytes:
         """Encode a message for the channel and count it as sent; may raise EncodeError."""
-        data = self._encoder(source).encode(message, now)
+        data = (self._encoders.get(source) or self._new_encoder(source)).encode(message, now)
         self.pacer.sent(len(data), now, priority)
         return data
 
-    def _encoder(self, source: Address) -> Encoder:
-        encoder = self._encoders.get(source)
-        if encoder is None:
-            encoder = Encoder(source.system, source.component, version=self.version, signing=self._signing)
-            self._encoders[source] = encoder
+    def _new_encoder(self, source: Address) -> Encoder:
+        encoder = Encoder(source.system, source.component, version=self.version, signing=self._signing)
+        self._encoders[source] = encoder
         return encoder
 
 

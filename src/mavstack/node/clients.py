@@ -29,7 +29,7 @@ class ComponentClients:
     @property
     def info(self) -> ComponentInfo | None:
         """The component's last heartbeat; None if none was received."""
-        return self.host.components.get(self.address)
+        return self.host.discovery.components.get(self.address)
 
     @property
     def command(self) -> CommandClient:

@@ -154,7 +154,7 @@ class Driver:
             self.hurry()
         now = self.now()
         while True:
-            self._write_all(self.engine.data_to_send(now))
+            self.write(self.engine.data_to_send(now))
             events = self.engine.events()
             if not events:
                 break
@@ -237,16 +237,20 @@ class Driver:
     def _report(self, description: str, error: Exception) -> None:
         self._loop.call_exception_handler({"message": f"{description} failed", "exception": error})
 
-    def _write_all(self, outgoing: Sequence[tuple[ChannelState, bytes]]) -> None:
+    def write(self, outgoing: Sequence[tuple[ChannelState, bytes]]) -> None:
         """Write data; what goes to one link leaves together, if the link can send it so."""
-        held = self._links if len(outgoing) > 1 else ()
-        for link in held:
+        if self._stopped or not outgoing:
+            return
+        if len(outgoing) == 1:
+            self._write(*outgoing[0])
+            return
+        for link in self._links:
             link.hold()
         try:
             for state, data in outgoing:
                 self._write(state, data)
         finally:
-            for link in held:
+            for link in self._links:
                 link.release()
 
     def _write(self, state: ChannelState, data: bytes) -> None:

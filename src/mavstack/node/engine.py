@@ -194,14 +194,19 @@ class Engine:
         self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
     ) -> None:
         """Send a message of the program to a target, or to the address in its target fields."""
-        outgoing = Outgoing(message, target or target_of(message))
-        if error := self.senders.refusal(message, outgoing.target):
+        self._to_send += self.encode(message, now, target, source=source)
+
+    def encode(
+        self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
+    ) -> list[tuple[ChannelState, bytes]]:
+        """Return the data of a message of the program, which the caller writes to each channel."""
+        target, source = target or target_of(message), source or self.local
+        if error := self.senders.refusal(message, target):
             raise error
-        if carries_key(message) and (reason := self.key_channels.refusal(outgoing.target)):
-            raise SigningError(f"sending a signing key to {outgoing.target} failed: {reason}")
-        for channel in self.key_channels.leading_to(outgoing.target):
-            data = channel.encode(message, source or self.local, now, outgoing.priority)
-            self._to_send.append((channel, data))
+        if carries_key(message) and (reason := self.key_channels.refusal(target)):
+            raise SigningError(f"sending a signing key to {target} failed: {reason}")
+        channels = self.key_channels.leading_to(target)
+        return [(channel, channel.encode(message, source, now, Priority.CONTROL)) for channel in channels]
 
     def forward(self, packet: Packet, now: float, target: Address | None = None) -> None:
         """Send a packet of another component unchanged, over all channels that heard its target, or `target`.
@@ -266,8 +271,8 @@ class Engine:
         redundant = self.routes.learn(source, channel, now, verified=verified)
         if redundant and self.duplicates.is_copy(packet, channel, now):
             return False
-        if message_id == _RADIO_STATUS:
-            self._radio_status(packet, channel, now)
+        if message_id == _RADIO_STATUS and packet.message is not None and is_radio(packet.component):
+            channel.pacer.radio_status(packet.message.txbuf, now)
         services = self.service_index.find(message_id, system)
         if services and packet.message is not None:
             self.arrived_on = channel
@@ -306,11 +311,6 @@ class Engine:
     def _fail(self, service: Service, error: Exception) -> None:
         self._failed[service] = None
         self.on_failure(service, error)
-
-    def _radio_status(self, packet: Packet, channel: ChannelState, now: float) -> None:
-        match packet.message:
-            case common.RadioStatus(txbuf=free) if is_radio(packet.component):
-                channel.pacer.radio_status(free, now)
 
     def _process_touched(self, now: float) -> None:
         """Drain the touched services, in order, until none is left."""

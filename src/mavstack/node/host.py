@@ -127,11 +127,15 @@ class NodeHost:
             target: The target; None: the address in the message.
             at_once: Write it now; False: at the end of this turn of the event loop, with the others.
         """
-        self.engine.send(message, self.driver.now(), target)
+        driver, engine = self.driver, self.engine
+        if at_once and engine.idle:  # nothing is to be sent before it, no service is touched by it
+            driver.write(engine.encode(message, driver.now(), target))
+            return
+        engine.send(message, driver.now(), target)
         if at_once:
-            self.driver.step()
+            driver.step()
         else:
-            self.driver.step_soon()
+            driver.step_soon()
 
     def receive_packet(self, packet: Packet) -> None:
         """Keep a packet as the latest of its message, and deliver it."""

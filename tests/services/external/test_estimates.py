@@ -1,7 +1,8 @@
 from __future__ import annotations
 
-from math import isnan, nan, sqrt
+from math import inf, isnan, nan, sqrt
 
+import numpy as np
 import pytest
 
 from mavstack.dialects import common
@@ -78,3 +79,22 @@ def test_impossible_estimates_are_refused(values):
 def test_fractional_counters_are_refused(values):
     with pytest.raises(InvalidTypeError, match=f"{next(iter(values))} must be a whole number"):
         PoseEstimate((1, 2, 3), **values)
+
+
+def test_covariances_of_numpy_are_taken():
+    """The messages of ROS have arrays of numpy, whose truth is not defined."""
+    covariance = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).ravel()
+    estimate = PoseEstimate(
+        (1, 2, 3), (1, 0, 0, 0), pose_covariance=covariance, velocity_covariance=covariance
+    )
+    listed = PoseEstimate((1, 2, 3), (1, 0, 0, 0), pose_covariance=list(covariance), velocity_covariance=())
+    assert estimate.to_odometry(1).pose_covariance == listed.to_odometry(1).pose_covariance
+    assert estimate.to_odometry(1).velocity_covariance[0] == 1.0
+    assert estimate.to_vision(1)[0].covariance == listed.to_vision(1)[0].covariance
+    assert estimate.to_mocap(1).covariance == listed.to_mocap(1).covariance
+
+
+@pytest.mark.parametrize("vector", [(nan, 0.0, 0.0), (0.0, inf, 0.0), (inf, nan, 0.0), (0.0, -inf, inf)])
+def test_numbers_that_are_not_finite_are_refused(vector):
+    with pytest.raises(InvalidArgumentError, match="3 finite numbers"):
+        PoseEstimate(vector)

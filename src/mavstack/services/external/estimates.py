@@ -17,6 +17,7 @@ from mavstack.errors import InvalidArgumentError, InvalidTypeError
 from mavstack.rotation import rotate, to_euler
 from mavstack.services.external.frames import (
     FULL,
+    NORTHERN,
     TRIANGLE,
     UNKNOWN,
     Frame,
@@ -72,15 +73,16 @@ class PoseEstimate:
     def __post_init__(self) -> None:
         if type(self.frame) is not Frame or type(self.body_frame) is not Frame:
             self.frame, self.body_frame = as_frame(self.frame), as_frame(self.body_frame)
-        if self.body_frame.knows_north:
+        if self.body_frame in NORTHERN:
             raise InvalidArgumentError(f"a body frame is FRD, FLU or RDF, got {self.body_frame}")
         if self.position is None and self.orientation is None and self.velocity is None:
             raise InvalidArgumentError("an estimate needs a position, an orientation or a velocity")
         self._check_vectors()
         if len(self.pose_covariance) or len(self.velocity_covariance):
             self._check_covariances()
-        _check_whole("reset_counter", self.reset_counter)
-        _check_whole("quality", self.quality)
+        if type(self.reset_counter) is not int or type(self.quality) is not int:
+            _check_whole("reset_counter", self.reset_counter)
+            _check_whole("quality", self.quality)
         if not 0 <= self.reset_counter <= 255 or not -1 <= self.quality <= _MAX_QUALITY:
             raise InvalidArgumentError("reset_counter must be 0 to 255, and quality -1 to 100")
 
@@ -116,18 +118,18 @@ class PoseEstimate:
             time_usec: The time of the measurement in microseconds.
             only_frd: Use LOCAL_FRD even for a frame that knows north, as ArduPilot demands.
         """
-        frame, body = self.frame, self.body_frame
+        frame, body, pose, twist = self.frame, self.body_frame, self.pose_covariance, self.velocity_covariance
         # By position: names of fields cost a third more, at each of 50 messages a second.
         return common.Odometry(
             time_usec,
-            _NED if frame.knows_north and not only_frd else _FRD,
+            _NED if frame in NORTHERN and not only_frd else _FRD,
             _BODY,
-            *self._position,
+            *(_NOTHING if self.position is None else to_mavlink(frame, self.position)),
             _NO_ORIENTATION if self.orientation is None else self._orientation,
             *(_NOTHING if self.velocity is None else to_mavlink(body, self.velocity)),
             *(_NOTHING if self.rotation is None else to_mavlink(body, self.rotation)),
-            _covariance(frame, self.pose_covariance),
-            _covariance(body, self.velocity_covariance),
+            covariance_to_mavlink(frame, pose) if len(pose) else UNKNOWN,
+            covariance_to_mavlink(body, twist) if len(twist) else UNKNOWN,
             self.reset_counter,
             _VISION,
             self.quality,
@@ -184,14 +186,15 @@ def as_frame(frame: Frame | str) -> Frame:
 
 
 def _covariance(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:
-    return covariance_to_mavlink(frame, covariance) if covariance else UNKNOWN
+    return covariance_to_mavlink(frame, covariance) if len(covariance) else UNKNOWN
 
 
 def _check_whole(name: str, value: object) -> None:
-    if type(value) is not int and not isinstance(value, SupportsIndex):
+    if not isinstance(value, SupportsIndex):
         raise InvalidTypeError(f"{name} must be a whole number, got {value!r:.60}")
 
 
 def _check_numbers(name: str, values: Sequence[float], size: int) -> None:
-    if len(values) != size or not all(map(isfinite, values)):
+    # The length of a vector is finite if all its numbers are.
+    if len(values) != size or not isfinite(hypot(*values)):
         raise InvalidArgumentError(f"{name} needs {size} finite numbers, got {values}")

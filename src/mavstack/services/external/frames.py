@@ -45,11 +45,9 @@ class Frame(StrEnum):
     FLU = "FLU"
     RDF = "RDF"
 
-    @property
-    def knows_north(self) -> bool:
-        """True for a world frame whose heading counts from north."""
-        return self is Frame.ENU or self is Frame.NED
 
+#: The world frames whose headings count from north.
+NORTHERN: Final = frozenset({Frame.NED, Frame.ENU})
 
 #: For each frame: the axis and the sign that belong to each of the three axes of MAVLink.
 _AXES: Final[Mapping[Frame, tuple[tuple[int, float], ...]]] = MappingProxyType(
@@ -73,6 +71,19 @@ _ROTATIONS: Final[Mapping[Frame, Quaternion]] = MappingProxyType(
 )
 
 
+def _turn(frame: Frame, body: Frame) -> tuple[Quaternion, ...]:
+    """Return the matrix that turns a quaternion of two frames into the one of MAVLink's, row by row."""
+    w, x, y, z = _ROTATIONS[body]
+    units = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    columns = [multiply(multiply(_ROTATIONS[frame], unit), (w, -x, -y, -z)) for unit in units]
+    return tuple(zip(*columns, strict=True))
+
+
+#: The matrices of all pairs of a world and a body, since an orientation is turned for each of 50 messages a
+#: second.
+_TURNS: Final = MappingProxyType({(frame, body): _turn(frame, body) for frame in Frame for body in Frame})
+
+
 def to_mavlink(frame: Frame, vector: Sequence[float]) -> Vector:
     """Return a vector of a frame in MAVLink's axes: NED, or FRD."""
     (a, p), (b, q), (c, r) = _AXES[frame]
@@ -81,8 +92,16 @@ def to_mavlink(frame: Frame, vector: Sequence[float]) -> Vector:
 
 def orientation_to_mavlink(frame: Frame, body: Frame, orientation: Quaternion) -> Quaternion:
     """Return the orientation of a body in a world frame as that of a FRD body in NED or FRD."""
-    w, x, y, z = _ROTATIONS[body]
-    return canonical(multiply(multiply(_ROTATIONS[frame], orientation), (w, -x, -y, -z)))
+    w, x, y, z = orientation
+    (ww, wx, wy, wz), (xw, xx, xy, xz), (yw, yx, yy, yz), (zw, zx, zy, zz) = _TURNS[frame, body]
+    return canonical(
+        (
+            ww * w + wx * x + wy * y + wz * z,
+            xw * w + xx * x + xy * y + xz * z,
+            yw * w + yx * x + yy * y + yz * z,
+            zw * w + zx * x + zy * y + zz * z,
+        )
+    )
 
 
 def covariance_to_mavlink(frame: Frame, covariance: Sequence[float]) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ from mavstack.services.external import Frame, PoseEstimate, StreamMonitor
 from mavstack.services.external.estimates import as_frame
 from mavstack.vehicle.external import positioning, surroundings, wind
 from mavstack.vehicle.external.check import check
-from mavstack.vehicle.external.times import microseconds
+from mavstack.vehicle.external.times import checked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,8 +87,11 @@ class External(ReadOnly):
             velocity_covariance, reset_counter, quality,
         )  # fmt: skip
         only_frd = self.vehicle.autopilot == common.MavAutopilot.ARDUPILOTMEGA
-        message = estimate.to_odometry(microseconds(self.vehicle, time), only_frd=only_frd)
-        self._send_estimate(estimate, time, message)
+        now = self.vehicle.component.now()
+        time = now if time is None else checked(time)
+        message = estimate.to_odometry(round(time * 1e6), only_frd=only_frd)
+        self.vehicle.component.send(message, at_once=True)
+        self.monitor.add(time, now, estimate)
 
     def vision(
         self,
@@ -122,7 +125,9 @@ class External(ReadOnly):
             position, orientation, velocity, None, as_frame(frame), as_frame(body_frame), covariance,
             reset_counter=reset_counter,
         )  # fmt: skip
-        self._send_estimate(estimate, time, *estimate.to_vision(microseconds(self.vehicle, time)))
+        now = self.vehicle.component.now()
+        time = now if time is None else checked(time)
+        self._send_estimate(estimate, time, now, *estimate.to_vision(round(time * 1e6)))
 
     def mocap(
         self,
@@ -151,7 +156,9 @@ class External(ReadOnly):
         estimate = PoseEstimate(
             position, orientation, None, None, as_frame(frame), as_frame(body_frame), covariance
         )
-        self._send_estimate(estimate, time, estimate.to_mocap(microseconds(self.vehicle, time)))
+        now = self.vehicle.component.now()
+        time = now if time is None else checked(time)
+        self._send_estimate(estimate, time, now, estimate.to_mocap(round(time * 1e6)))
 
     set_origin = positioning.set_origin
     gps = positioning.gps
@@ -166,8 +173,7 @@ class External(ReadOnly):
 
     check = check
 
-    def _send_estimate(self, estimate: PoseEstimate, time: float | None, *messages: Message) -> None:
+    def _send_estimate(self, estimate: PoseEstimate, time: float, now: float, *messages: Message) -> None:
         for message in messages:
             self.vehicle.component.send(message, at_once=True)
-        now = self.vehicle.component.now()
-        self.monitor.add(now if time is None else time, now, estimate)
+        self.monitor.add(time, now, estimate)

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
 
 def microseconds(vehicle: Vehicle, time: float | None) -> int:
     """Return a time in Unix seconds, or now, in the clock with which the connection answers TIMESYNC."""
-    if time is not None and not (isfinite(time) and time >= 0):
+    return round((vehicle.component.now() if time is None else checked(time)) * 1e6)
+
+
+def checked(time: float) -> float:
+    """Return a time that is possible; raises InvalidArgumentError for others."""
+    if not (isfinite(time) and time >= 0):
         raise InvalidArgumentError(f"a time must be finite Unix seconds, got {time}")
-    return round((vehicle.component.now() if time is None else time) * 1e6)
+    return time
