@@ -20,9 +20,12 @@ import os
 import sys
 import threading
 from enum import Enum
+from functools import cache
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 
-from mavsdk import Configuration, Mavsdk
+from mavsdk import Configuration, Mavsdk, plugins
 
 
 class Agent:
@@ -59,13 +62,26 @@ class Agent:
     def plugin(self, name: str):
         if name not in self.plugins:
             class_name = "".join(word.capitalize() for word in name.split("_"))
-            self.plugins[name] = getattr(import_module(f"mavsdk.plugins.{name}"), class_name)(self.owner)
+            self.plugins[name] = getattr(module_of(name), class_name)(self.owner)
         return self.plugins[name]
 
     def send(self, reply: dict) -> None:
         with self._lock:
             self._replies.write(json.dumps(reply) + "\n")
             self._replies.flush()
+
+
+@cache
+def module_of(name: str):
+    """Return the module of a plugin."""
+    try:
+        return import_module(f"mavsdk.plugins.{name}")
+    except ImportError:  # the package of component_metadata_server names a class that its module lacks
+        path = Path(plugins.__path__[0], name, f"{name}.py")
+        spec = spec_from_file_location(f"mavsdk.plugins.{name}.{name}", path)
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
 
 
 def encode(value):
@@ -90,7 +106,7 @@ def decode(value):
     match value:
         case {"class": name, **fields}:
             module, _, class_name = name.partition(".")
-            kind = getattr(import_module(f"mavsdk.plugins.{module}"), class_name)
+            kind = getattr(module_of(module), class_name)
             return kind(**{field: decode(each) for field, each in fields.items()})
         case list():
             return [decode(each) for each in value]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from contextlib import asynccontextmanager
 
 import pytest
@@ -254,3 +255,16 @@ async def test_concurrent_clients() -> None:
         assert (await incoming.get())[0] == "SUCCESS"
         assert version.can(common.MavProtocolCapability.MAVLINK2)
         assert len(await remote.mission.download()) == 50
+
+
+async def test_metadata() -> None:
+    """MAVSDK's component metadata server: our client reads the description of a parameter from it."""
+    async with remote_and_server() as (remote, server):
+        await server.call("param_server", "provide_param_int", "LARGE", 7)
+        described = {"name": "LARGE", "type": "Int32", "shortDesc": "A large one", "min": -5, "max": 9}
+        document = json.dumps({"version": 1, "parameters": [described]})
+        parameters = mavsdk_object("component_metadata_server.Metadata", type=0, json_metadata=document)
+        await server.call("component_metadata_server", "set_metadata", [parameters])
+        found = await remote.params.download_metadata()
+        assert (found["LARGE"].short_description, found["LARGE"].maximum) == ("A large one", 9)
+        assert remote.params.metadata.problem("LARGE", 10) == "10 is outside of its range -5 to 9"

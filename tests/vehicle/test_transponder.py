@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.dialects import uavionix
+from mavstack.dialects import common, uavionix
 from mavstack.errors import (
     ActionTimeout,
     ActionUnsupported,
@@ -49,6 +49,18 @@ def test_a_vehicle_without_transponder(virtual_vehicle):
             await vehicle.transponder.set(timeout=3)
         with pytest.raises((CommandDenied, MessageTimeout)):
             await vehicle.transponder.get(timeout=3)
+
+    virtual_vehicle.run(flight)
+
+
+@pytest.mark.vehicle(firmware="px4")
+def test_px4_does_not_report_its_transponder(virtual_vehicle):
+    async def flight(vehicle):
+        with pytest.raises(
+            CommandDenied, match="PX4 does not report its transponder; read ADSB_SQUAWK"
+        ) as caught:
+            await vehicle.transponder.get(timeout=3)
+        assert caught.value.code == common.MavResult.DENIED
 
     virtual_vehicle.run(flight)
 

@@ -18,16 +18,19 @@ import asyncio
 import re
 from contextlib import suppress
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.dialects import common, uavionix
-from mavstack.errors import InvalidArgumentError
+from mavstack.errors import CommandDenied, InvalidArgumentError
 from mavstack.node.api_object import ReadOnly
 from mavstack.services.message_request.interval import message_id_of, name_of
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mavstack.vehicle.vehicle import Vehicle
 
 _OPERATION: Final = "setting the transponder of"
@@ -46,6 +49,13 @@ _SQUAWK: Final = re.compile("[0-7]{4}")
 _FLIGHT_ID: Final = re.compile("[A-Z0-9 ]{0,8}")
 _REGISTRATION: Final = re.compile("[A-Z0-9]{0,8} *")
 _PX4_SETTINGS: Final = "set ADSB_SQUAWK and ADSB_EMERGC instead, and restart it"
+#: Why a vehicle refuses to report a transponder, by MAV_AUTOPILOT.
+_NO_REPORT: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        common.MavAutopilot.PX4: "PX4 does not report its transponder; read ADSB_SQUAWK and ADSB_CALLSIGN_1",
+        common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot reports a transponder with ADSB_TYPE 3 alone",
+    }
+)
 #: The parts of a state that the control message sets.
 _COMPARED: Final = _STATE.MODE_A_ENABLED | _STATE.MODE_C_ENABLED | _STATE.MODE_S_ENABLED | _POSITION_REPORTS
 
@@ -104,7 +114,11 @@ class Transponder(ReadOnly):
             MessageTimeout: No report came, as from a vehicle without a transponder.
         """
         component = self._vehicle.component
-        return _status_of(await component.request_message(uavionix.UavionixAdsbOutStatus, timeout=timeout))
+        try:
+            report = await component.request_message(uavionix.UavionixAdsbOutStatus, timeout=timeout)
+        except CommandDenied as error:
+            raise self._explained(error) from None
+        return _status_of(report)
 
     async def set(
         self,
@@ -214,6 +228,15 @@ class Transponder(ReadOnly):
                 f"a registration must be up to 8 of A to Z and 0 to 9, got {registration!r}"
             )
         await self._set(uavionix.UavionixAdsbOutCfgRegistration(registration=registration), timeout)
+
+    def _explained(self, error: CommandDenied) -> CommandDenied:
+        """Return the refusal of a report with its reason, which no vehicle gives."""
+        autopilot = self._vehicle.autopilot
+        reason = _NO_REPORT.get(autopilot, "it does not report a transponder")
+        answer = f"{error.answer}: {reason}"
+        return CommandDenied(
+            error.operation, error.target, attempts=error.attempts, answer=answer, code=error.code
+        )
 
     async def _get(self, kind: type[_Identity], timeout: float | None) -> _Identity:
         async with deadline(timeout, f"reading {name_of(kind)} of", self._vehicle.address):

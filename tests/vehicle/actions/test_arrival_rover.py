@@ -98,3 +98,36 @@ def test_a_rover_that_always_passes_the_place_fails_with_the_reason():
         assert len(repositions(harness)) == 3
 
     run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.GROUND_ROVER)
+
+
+def test_a_rover_that_stops_within_the_radius_of_its_firmware_fails_soon_with_the_parameter():
+    """A real ArduRover with WP_RADIUS 2 stands 0.6 m from a place, and no second request moves it."""
+
+    async def scenario(harness):
+        await drive(harness, 20.0, interval=1.0)  # it does not report WP_RADIUS
+        going = asyncio.create_task(harness.vehicle.goto(*HERE, tolerance=0.5))
+        await drive(harness, 12.0, 6.0, 0.6, interval=0.5)
+        harness.autopilot.send(common.MissionItemReached(seq=0))
+        reason = (
+            r"it ended its drive 0\.60 m away, the tolerance is 0\.5 m; "
+            r"it stops within WP_RADIUS, usually 2 m; "
+            r"set that parameter, or allow a larger tolerance"
+        )
+        with pytest.raises(ActionTimeout, match=reason):
+            await asyncio.wait_for(going, 5)
+        assert len(repositions(harness)) == 1
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.GROUND_ROVER)
+
+
+def test_a_rover_without_reports_that_stops_within_the_radius_names_the_parameter():
+    async def scenario(harness):
+        await drive(harness, 20.0, interval=1.0)
+        going = asyncio.create_task(harness.vehicle.goto(*HERE, tolerance=0.5))
+        await drive(harness, 12.0, 6.0, 0.6, interval=0.5)
+        with pytest.raises(
+            ActionTimeout, match=r"it is 0\.60 m away.*it stops within WP_RADIUS, usually 2 m"
+        ):
+            await asyncio.wait_for(going, 60)
+
+    run_scenario(scenario, autopilot=ARDUPILOT, kind=common.MavType.GROUND_ROVER)

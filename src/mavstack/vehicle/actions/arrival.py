@@ -8,7 +8,8 @@
                             tolerance that was asked for, since then passing the place is enough
 
 ArduRover also ends its drive when it has passed the place, however far beside it, as after a wide turn: it
-reports MISSION_ITEM_REACHED and stands. It is sent there again then, `MAX_APPROACHES` times in all.
+reports MISSION_ITEM_REACHED and stands. It is sent there again then, `MAX_APPROACHES` times in all; not
+if it stands within its stopping radius, since it does not move to a place in it.
 
 Vehicles that drive have no altitude: some firmwares report one above home that is none (ArduRover 4.1).
 
@@ -22,7 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
@@ -51,6 +52,21 @@ _BRAKING_FACTOR: Final = 3.0
 LINGERING_TIME: Final = 15.0
 #: Number of approaches of a vehicle that drives and stops beside the place.
 MAX_APPROACHES: Final = 3
+_SET_RADIUS: Final = "set that parameter, or allow a larger tolerance"
+
+
+class StoppingRadius(NamedTuple):
+    """The radius around a place in which a firmware ends its drive.
+
+    Attributes:
+        name: The parameter that sets it.
+        metres: Its value, or the usual one if it was not read.
+        is_read: True if the vehicle has reported it.
+    """
+
+    name: str
+    metres: float
+    is_read: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +77,13 @@ class Tolerance:
         ground: Metres over ground; of a wing: from the place that it passes.
         height: Metres of altitude; None: the altitude does not count.
         speed: Metres per second at which the vehicle is settled.
+        stopping: The radius in which the firmware of a vehicle that drives ends its drive; None: it has none.
     """
 
     ground: float
     height: float | None
     speed: float
+    stopping: StoppingRadius | None = None
 
 
 #: The tolerances of vehicles that can stop.
@@ -104,13 +122,14 @@ async def tolerance_of(vehicle: Vehicle, asked: float | None) -> Tolerance:
         ActionUnsupported: It stops within a larger radius than `asked`; nothing but reads was sent.
     """
     default = default_tolerance(vehicle)
-    name, radius, is_read = await _stopping_radius(vehicle)
+    stopping = await _stopping_radius(vehicle)
+    radius = 0.0 if stopping is None else stopping.metres
     if asked is None:
-        return Tolerance(max(default.ground, radius), default.height, default.speed)
-    if is_read and asked < radius:
-        reason = f"it stops within {name}, {radius:g} m; set that parameter, or allow a larger tolerance"
+        return Tolerance(max(default.ground, radius), default.height, default.speed, stopping)
+    if stopping is not None and stopping.is_read and asked < radius:
+        reason = f"it stops within {stopping.name}, {radius:g} m; {_SET_RADIUS}"
         raise firmware_of(vehicle).unsupported(f"stop within {asked:g} m of a location", reason)
-    return Tolerance(asked, None if default.height is None else asked, default.speed)
+    return Tolerance(asked, None if default.height is None else asked, default.speed, stopping)
 
 
 async def tolerance_if_waiting(
@@ -123,15 +142,14 @@ async def tolerance_if_waiting(
         return await tolerance_of(vehicle, asked)
 
 
-async def _stopping_radius(vehicle: Vehicle) -> tuple[str, float, bool]:
-    """Return the parameter that sets how close a vehicle stops, its metres, and whether it was read."""
+async def _stopping_radius(vehicle: Vehicle) -> StoppingRadius | None:
+    """Return the largest radius in which a vehicle ends its drive; None for one that does not drive."""
     firmware = firmware_of(vehicle)
     radii = []
     for name, usual in firmware.STOPPING_RADII.get(vehicle.vehicle_type, {}).items():
         value = await firmware.read_number(name)
-        radii.append((usual if value is None else value, name, value is not None))
-    radius, name, is_read = max(radii, default=(0.0, "", False))
-    return name, radius, is_read
+        radii.append(StoppingRadius(name, usual if value is None else value, value is not None))
+    return max(radii, key=lambda each: each.metres, default=None)
 
 
 class Arrival:
@@ -204,9 +222,23 @@ class Arrival:
         stands = self._missing.update(drives and self._ended and self._is_slow())
         if not stands or away is None or away <= limit:
             return None
+        if why := self._stopped_within(away):
+            return f"it ended its drive {away:.2f} m away, the tolerance is {limit:g} m; {why}"
         self.missed_by = away
         remedy = "allow a larger tolerance, or let it drive slower or turn in tighter circles"
         return f"it passed the location and stopped {away:.2f} m away, the tolerance is {limit:g} m; {remedy}"
+
+    def _stopped_within(self, away: float) -> str:
+        """Return why a vehicle does not come nearer that ended its drive in the radius of its firmware.
+
+        It does not move to a place within that radius, nor to one a little behind it: a further approach is
+        of no use.
+        """
+        stopping = self._tolerance.stopping
+        if stopping is None or away > stopping.metres:
+            return ""
+        usual = "" if stopping.is_read else ", usually"
+        return f"it stops within {stopping.name}{usual} {stopping.metres:g} m; {_SET_RADIUS}"
 
     def _note_end(self, report: common.MissionItemReached) -> None:
         self._ended = self._ended or report.seq == 0
@@ -221,6 +253,7 @@ class Arrival:
         limits = self._tolerance
         parts = (
             _excess("it is {:.2f} m away", away, limits.ground),
+            self._stopped_within(away) if away > limits.ground else "",
             _excess("its altitude is {:.2f} m off", height, limits.height),
         )
         return "; ".join(filter(None, parts))
