@@ -116,7 +116,7 @@ def test_each_message_arrives():
 
 
 def test_an_estimate_wakes_nothing_but_its_own_path():
-    """At 50 Hz the Python functions between the call and the link are its cost: 74 of them were too many."""
+    """At 50 Hz the Python functions between the call and the link are its cost: 75 of them were too many."""
 
     async def flight(world: World, vehicle: Vehicle) -> None:
         pose = (1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)
