@@ -19,10 +19,17 @@ def test_every_entity_has_an_id_of_its_own_and_topics_of_the_vehicle() -> None:
     assert all(each["platform"] and each["name"] for each in components)
     groups = {f"{BASE}/telemetry/{group}" for group in GROUPS}
     states = {each["state_topic"] for each in components if "state_topic" in each}
-    assert states <= groups | {f"{BASE}/event/text"}
+    assert states == groups & states | {f"{BASE}/event/text", f"{BASE}/state"}
     commands = {each["command_topic"] for each in components if "command_topic" in each}
     assert commands <= {f"{BASE}/cmd/{verb}" for verb in VERBS}
     assert json.loads(json.dumps(found)) == found
+
+
+def test_the_place_has_no_state_because_each_text_of_it_would_be_the_name_of_the_place() -> None:
+    found = description(BASE, "mavstack_uav1", "uav1", model="PX4 copter", modes=["HOLD"])
+    assert "state_topic" not in found  # entities without a topic inherit it
+    without = {name for name, each in found["components"].items() if "state_topic" not in each}
+    assert without == {"place"}
 
 
 def test_an_observed_vehicle_has_no_controls() -> None:

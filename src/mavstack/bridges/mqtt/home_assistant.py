@@ -61,7 +61,7 @@ def description(
         "device": {"identifiers": [identity], "name": name, "manufacturer": "MAVLink", "model": model},
         "origin": {"name": "Mavstack", "url": "https://mavlink.io"},
         "availability_topic": f"{base}/status",
-        "state_topic": f"{base}/state",
+        # No common `state_topic`: a tracker takes each text of it as the name of a place.
         "qos": 0,
         "components": components,
     }
@@ -84,11 +84,12 @@ def _observed(base: str, identity: str) -> dict[str, Any]:
         "platform": "sensor",
         "name": "Flight mode",
         "unique_id": f"{identity}_mode",
+        "state_topic": f"{base}/state",
         "value_template": "{{ value_json.mode }}",
     }
-    found["armed"] = _flag(identity, "Armed", "armed", "safety")
+    found["armed"] = _flag(base, identity, "Armed", "armed", "safety")
     found["ready"] = {
-        **_flag(identity, "Ready to arm", "ready", None),
+        **_flag(base, identity, "Ready to arm", "ready", None),
         "json_attributes_topic": f"{base}/state",
         "json_attributes_template": "{{ {'problems': value_json.problems} | tojson }}",
     }
@@ -109,11 +110,12 @@ def _observed(base: str, identity: str) -> dict[str, Any]:
     return found
 
 
-def _flag(identity: str, name: str, key: str, device_class: str | None) -> dict[str, Any]:
+def _flag(base: str, identity: str, name: str, key: str, device_class: str | None) -> dict[str, Any]:
     return {
         "platform": "binary_sensor",
         "name": name,
         "unique_id": f"{identity}_{key}",
+        "state_topic": f"{base}/state",
         "value_template": f"{{{{ 'ON' if value_json.{key} else 'OFF' }}}}",
         **({"device_class": device_class} if device_class else {}),
     }
@@ -138,6 +140,7 @@ def _controls(base: str, identity: str, modes: Sequence[str]) -> dict[str, Any]:
             "unique_id": f"{identity}_select_mode",
             "command_topic": f"{base}/cmd/mode",
             "command_template": '{"mode": {{ value | tojson }}}',
+            "state_topic": f"{base}/state",
             "value_template": "{{ value_json.mode }}",
             "options": list(modes),
         }
