@@ -1,7 +1,8 @@
 """Start, memory and processor time of routers at the rate of one vehicle, as ratios to mavlink-router.
 
 The floor is a Python program that has imported asyncio and does nothing. Programs run with cached bytecode,
-as installed packages do; the routers take turns after one start that does not count.
+as installed packages do. The routers run at once and get their packets in turns, so that both find the
+machine in the same state, and their clients read what they get. One start of all does not count.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import socket
 import subprocess
 import sys
 from contextlib import ExitStack
+from itertools import product
 from pathlib import Path
 from statistics import median
 from time import monotonic, sleep
@@ -32,6 +34,16 @@ CLIENTS = (1, 4)
 DURATION = 5.0
 IDLE = 2.0
 FLOOR = "Python with asyncio"
+#: Distance of the ports of two routers.
+PORTS = 100
+#: The program of a client, which prints a line when it reads.
+CLIENT = """
+import socket, sys
+client = socket.socket(fileno=int(sys.argv[1]))
+print(flush=True)
+while True:
+    client.recv(65536)
+"""
 BYTECODE = Path(__file__).parents[1] / ".build" / "bytecode"
 
 
@@ -47,24 +59,23 @@ def report(options: argparse.Namespace) -> None:
     """Measure all programs that are given, and print a table for each number of clients."""
     for clients in CLIENTS:
         commands = _commands(options, clients)
-        turns: dict[str, list[Footprint]] = {name: [] for name in commands}
-        for turn in range(options.turns + 1):
-            for name, command in commands.items():
-                found = measure(command, clients)
-                if turn:
-                    turns[name].append(found)
-        _print(clients, {name: _median(found) for name, found in turns.items()}, _memory_of_floor())
+        turns = [measure(commands, clients) for _ in range(options.turns + 1)][1:]
+        _print(
+            clients, {name: _median([turn[name] for turn in turns]) for name in commands}, _memory_of_floor()
+        )
 
 
 def _commands(options: argparse.Namespace, clients: int) -> dict[str, Sequence[str]]:
-    places = [f"{HOST}:{TO + number}" for number in range(clients)]
+    """Return the command of each program, which uses the ports of its number."""
+    places = [f"{HOST}:{TO + client}" for client in range(clients)]
     ours = [word for place in places for word in ("-e", f"udpout://{place}")]
     found: dict[str, Sequence[str]] = {
         "mav route": [sys.executable, "-m", "mavstack", "route", "-e", f"udpin://{HOST}:{LISTEN}", *ours]
     }
     if options.mavlink_router:
+        places = [f"{HOST}:{TO + PORTS + client}" for client in range(clients)]
         theirs = [word for place in places for word in ("-e", place)]
-        found["mavlink-router"] = [options.mavlink_router, "-t", "0", *theirs, f"{HOST}:{LISTEN}"]
+        found["mavlink-router"] = [options.mavlink_router, "-t", "0", *theirs, f"{HOST}:{LISTEN + PORTS}"]
     return found
 
 
@@ -72,36 +83,62 @@ def _median(turns: Sequence[Footprint]) -> Footprint:
     return Footprint(*(median(figures) for figures in zip(*turns, strict=True)))
 
 
-def measure(command: Sequence[str], clients: int) -> Footprint:
-    """Run one router, and send packets through it."""
-    null = subprocess.DEVNULL
+def measure(commands: Mapping[str, Sequence[str]], clients: int) -> dict[str, Footprint]:
+    """Start the routers one after the other, and send packets through all of them in turns."""
+    ports = [LISTEN + PORTS * number for number in range(len(commands))]
     with ExitStack() as stack:
-        sender, *receivers = [stack.enter_context(_udp_socket()) for _ in range(1 + clients)]
-        for number, receiver in enumerate(receivers):
-            receiver.bind((HOST, TO + number))
-        environment, began = _environment(), monotonic()
-        with subprocess.Popen(command, stdin=null, stdout=null, stderr=null, env=environment) as process:
-            try:
-                wait_until_bound(LISTEN, pause=0.01)
-                start = monotonic() - began
-                sleep(IDLE)
-                before = processor_seconds(process.pid)
-                _send(sender)
-                load = (processor_seconds(process.pid) - before) / DURATION
-                return Footprint(start, _memory(process.pid), load)
-            finally:
-                process.kill()
+        for port in ports:
+            for client in range(clients):
+                _run_client(stack, port - LISTEN + TO + client)
+        started = [_run(stack, command, port) for command, port in zip(commands.values(), ports, strict=True)]
+        sleep(IDLE)
+        before = [processor_seconds(process) for process, _ in started]
+        _send(ports)
+        return {
+            name: Footprint(start, _memory(process), (processor_seconds(process) - used) / DURATION)
+            for name, (process, start), used in zip(commands, started, before, strict=True)
+        }
+
+
+def _run(stack: ExitStack, command: Sequence[str], port: int) -> tuple[int, float]:
+    """Start a router; return its process and the seconds until its port was open."""
+    null = subprocess.DEVNULL
+    began = monotonic()
+    process = stack.enter_context(
+        subprocess.Popen(command, stdin=null, stdout=null, stderr=null, env=_environment())
+    )
+    stack.callback(process.kill)
+    wait_until_bound(port, pause=0.01)
+    return process.pid, monotonic() - began
+
+
+def _run_client(stack: ExitStack, port: int) -> None:
+    """Start a program that reads what comes to a port."""
+    receiver = stack.enter_context(_udp_socket())
+    receiver.bind((HOST, port))
+    descriptor = receiver.fileno()
+    command = [sys.executable, "-S", "-c", CLIENT, str(descriptor)]
+    process = stack.enter_context(
+        subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, pass_fds=[descriptor])
+    )
+    stack.callback(process.kill)
+    if process.stdout is not None:
+        process.stdout.readline()
 
 
 def _udp_socket() -> socket.socket:
     return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
 
-def _send(sender: socket.socket) -> None:
+def _send(ports: Sequence[int]) -> None:
+    """Send a vehicle's packets to each port, which get their packets at different times and change places."""
     encoder, began = Encoder(1, 1), monotonic()
-    for number in range(int(PACKETS_PER_SECOND * DURATION)):
-        sleep(max(0.0, began + number / PACKETS_PER_SECOND - monotonic()))
-        sender.sendto(encoder.encode(common.Attitude(time_boot_ms=number)), (HOST, LISTEN))
+    count, distance = int(PACKETS_PER_SECOND * DURATION), 1 / PACKETS_PER_SECOND / len(ports)
+    packets = [encoder.encode(common.Attitude(time_boot_ms=number)) for number in range(count)]
+    with _udp_socket() as sender:
+        for number, place in product(range(count), range(len(ports))):
+            sleep(max(0.0, began + (number * len(ports) + place) * distance - monotonic()))
+            sender.sendto(packets[number], (HOST, ports[(number + place) % len(ports)]))
 
 
 def _memory_of_floor() -> float:
