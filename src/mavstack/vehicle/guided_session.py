@@ -69,7 +69,8 @@ class GuidedSession(ReadOnly):
     @property
     def interrupted(self) -> bool:
         """True if the vehicle has left the mode in which it follows setpoints."""
-        mode, modes = self._vehicle.mode, firmware_of(self._vehicle).modes_of("guided")
+        # Of the class: a controller asks for each of hundreds of vehicles.
+        mode, modes = self._vehicle.mode, self._vehicle.telemetry.firmware.modes_of("guided")
         return self._entered and modes is not None and mode is not None and mode.lower() not in modes
 
     def check(self) -> None:

@@ -201,9 +201,10 @@ class Firmware(LoopBound):
             orbit: True for `orbit`, False for the circle at the end of `goto`.
         """
 
-    def modes_of(self, action: str) -> frozenset[str] | None:
+    @classmethod
+    def modes_of(cls, action: str) -> frozenset[str] | None:
         """Return the modes in which an action goes on, in lower case; None if any mode will do."""
-        return self.MODES.get(action)
+        return cls.MODES.get(action)
 
     def lands_in(self, mode: str | None) -> bool:
         """Return whether the vehicle lands in a mode."""
