@@ -46,6 +46,21 @@ def test_radius_fence_and_heights():
     assert (finding.members, finding.text) == ((1,), "10 m from the origin")
 
 
+@pytest.mark.parametrize(
+    ("limits", "breach"),
+    [
+        ({"radius": 50.0}, Breach.FENCE),
+        ({"fence": ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))}, Breach.FENCE),
+        ({"lowest": 70.0}, Breach.HEIGHT),
+        ({"highest": 40.0}, Breach.HEIGHT),
+        ({}, None),
+    ],
+)
+def test_each_limit_of_places_counts_alone(limits, breach):
+    found = Guard(GuardLimits(**limits)).check(np.array([[100.0, 0.0, 60.0]]), [0.0])
+    assert [each.breach for each in found] == ([] if breach is None else [breach])
+
+
 def test_an_old_or_missing_position_is_a_lost_link():
     guard = Guard(GuardLimits(link_age=3.0))
     found = guard.check(np.vstack((APART, [math.nan] * 3)), (0.5, 4.0, math.inf))

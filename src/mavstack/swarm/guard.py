@@ -73,6 +73,11 @@ class GuardLimits:
         if not self.separation > 0.0 or not self.link_age > 0.0 or not self.lowest < self.highest:
             raise InvalidArgumentError("separation and link_age must be more than 0, lowest below highest")
 
+    @property
+    def is_unbounded(self) -> bool:
+        """True if every place is allowed."""
+        return self.radius is None and not self.fence and math.isinf(self.lowest) and math.isinf(self.highest)
+
 
 class Guard:
     """Watches a swarm.
@@ -127,7 +132,9 @@ class Guard:
         ]
 
     def _places(self, positions: Points) -> list[Finding]:
-        limits, found = self.limits, []
+        limits, found = self.limits, list[Finding]()
+        if limits.is_unbounded:
+            return found
         north, east, up = positions.T
         far = np.hypot(north, east)
         beyond = far > (math.inf if limits.radius is None else limits.radius)

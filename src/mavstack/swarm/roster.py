@@ -58,6 +58,11 @@ class Roster:
         self._gone: set[int] = set()
 
     @property
+    def absent(self) -> set[int]:
+        """The members that were lost or removed."""
+        return self._lost | self._gone
+
+    @property
     def present(self) -> tuple[int, ...]:
         """The members that are present, in order."""
         return tuple(self._present())
@@ -105,5 +110,5 @@ class Roster:
         return RosterChange(lost, returned, self.leader if self.leader != before else None)
 
     def _present(self) -> Iterator[int]:
-        absent = self._lost | self._gone
+        absent = self.absent
         return (member for member in self.members if member not in absent)

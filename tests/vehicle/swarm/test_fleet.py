@@ -44,9 +44,9 @@ class Member:
         self.follows_acceleration = follows_acceleration
         self.system, self.address, self.is_following, self.taken = system, Address(system, 1), True, 0
         message = common.GlobalPositionInt(**fields) if fields else None
-        found = None if message is None else (message, NOW - 0.1)
-        telemetry = SimpleNamespace(latest_with_time=lambda _kind: found)
-        self.vehicle = SimpleNamespace(connection=None, telemetry=telemetry)
+        found = None if message is None else (SimpleNamespace(message=message), NOW - 0.1)
+        self.read_position = lambda: found
+        self.vehicle = SimpleNamespace(connection=None)
         self.checks = 0
 
     def take_over(self):

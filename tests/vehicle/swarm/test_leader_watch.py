@@ -19,10 +19,10 @@ from mavstack.vehicle.swarm.swarm import Swarm
 def test_a_lost_leader_cancels_the_flight():
     async def scenario():
         now = asyncio.get_running_loop().time
-        position = common.GlobalPositionInt(lat=473977000, lon=85456000, alt=500000), now()
-        telemetry = SimpleNamespace(latest_with_time=lambda _kind: position)
-        node = SimpleNamespace(now=now)
-        leader = SimpleNamespace(vehicle=SimpleNamespace(connection=node, telemetry=telemetry, address="9/1"))
+        message = common.GlobalPositionInt(lat=473977000, lon=85456000, alt=500000)
+        position = SimpleNamespace(message=message), now()
+        vehicle = SimpleNamespace(connection=SimpleNamespace(now=now), address="9/1")
+        leader = SimpleNamespace(vehicle=vehicle, read_position=lambda: position)
         ended = []
 
         async def flight():

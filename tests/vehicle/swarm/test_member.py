@@ -43,7 +43,7 @@ class Vehicle:
 
     def __init__(self, *sessions):
         self.system, self.address = 1, Address(1, 1)
-        self.telemetry = SimpleNamespace(firmware=Px4)
+        self.telemetry = SimpleNamespace(firmware=Px4, reader=lambda _kind: lambda: None)
         self.sessions, self.waited = list(sessions), []
 
     def guided(self, rate):

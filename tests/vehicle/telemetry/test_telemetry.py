@@ -29,6 +29,23 @@ def test_the_latest_message_of_a_class_and_its_age():
     with_telemetry(scenario)
 
 
+def test_a_reader_returns_the_latest_packet_of_the_autopilot():
+    async def scenario(harness):
+        read = harness.telemetry.reader(common.Attitude)
+        assert read() is None
+        harness.receive(common.Attitude(roll=1))
+        begun = harness.telemetry.now()
+        await asyncio.sleep(2.5)
+        packet, received_at = read()
+        assert (packet.message.roll, received_at) == (1, pytest.approx(begun))
+        harness.receive(common.Attitude(roll=2), component=CAMERA)
+        assert read()[0] is packet
+        harness.receive(common.Attitude(roll=3))
+        assert read()[0].message.roll == 3
+
+    with_telemetry(scenario)
+
+
 def test_a_component_of_the_vehicle_is_not_mistaken_for_its_autopilot():
     async def scenario(harness):
         vehicle = harness.vehicle

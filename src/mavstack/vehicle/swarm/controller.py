@@ -120,8 +120,7 @@ class SwarmController:
     @property
     def active(self) -> list[Member]:
         """The members that follow setpoints and whose positions arrive, in order."""
-        present = set(self.roster.present)
-        return [each for each in self.members if each.is_following and each.system in present]
+        return [self.members[index] for index in self._active_of(self.members)]
 
     @property
     def progress(self) -> tuple[float, float]:
@@ -223,6 +222,13 @@ class SwarmController:
         self._advanced = self._received = self._fleet.now()
         self.pace = Pace()
 
+    def _active_of(self, members: Sequence[Member]) -> list[int]:
+        """Return the indices of those of some members that are active."""
+        absent = self.roster.absent
+        return [
+            index for index, each in enumerate(members) if each.is_following and each.system not in absent
+        ]
+
     def _rows_of(self, members: Sequence[Member]) -> Indices:
         return np.array([self._indices[each] for each in members], dtype=np.int64)
 
@@ -268,8 +274,7 @@ class SwarmController:
         self._update_roster(ages)
         self._check_guard(readings)
         step = self._advance(float(ages.min()))
-        present = set(self.active)
-        active = [index for index, each in enumerate(self._flying) if each in present]
+        active = self._active_of(self._flying)
         flying = [self._flying[index] for index in active]
         if not active and self._stopped is None and not any(each.is_following for each in self.members):
             # Members whose positions are late may return; meanwhile they stand at their last ones.

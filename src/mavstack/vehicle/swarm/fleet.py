@@ -48,10 +48,11 @@ _MASK: Final = common.PositionTargetTypemask
 _NO_YAW: Final = int(_MASK.YAW_IGNORE | _MASK.YAW_RATE_IGNORE)
 _NO_ACCELERATION: Final = _NO_YAW | int(_MASK.AX_IGNORE | _MASK.AY_IGNORE | _MASK.AZ_IGNORE)
 _VELOCITY: Final = _NO_ACCELERATION | int(_MASK.X_IGNORE | _MASK.Y_IGNORE | _MASK.Z_IGNORE)
-_GLOBAL: Final = common.MavFrame.GLOBAL_INT
-_LOCAL: Final = common.MavFrame.LOCAL_NED
+_GLOBAL: Final = int(common.MavFrame.GLOBAL_INT)
+_LOCAL: Final = int(common.MavFrame.LOCAL_NED)
 #: The axes of the wire are north, east, down.
 _NED: Final = (1.0, 1.0, -1.0)
+_STEADY: Final = (0.0, 0.0, 0.0)
 #: The values of a vehicle whose position is not known.
 _UNKNOWN: Final = (-np.inf, np.nan, np.nan, np.nan, np.nan, 0.0, 0.0, 0.0)
 
@@ -184,10 +185,13 @@ def read_states(members: Sequence[Member], frame: LocalFrame, now: float) -> Rea
 
 
 def _row(member: Member) -> tuple[float, ...]:
-    found = member.vehicle.telemetry.latest_with_time(common.GlobalPositionInt)
+    found = member.read_position()
     if found is None:
         return _UNKNOWN
-    message, received_at = found
+    packet, received_at = found
+    message = packet.message
+    if not isinstance(message, common.GlobalPositionInt):
+        return _UNKNOWN
     return (
         received_at,
         message.lat,
@@ -214,7 +218,7 @@ def _message(member: Member, row: Sequence[Any], milliseconds: int) -> SetpointM
             vy=east,
             vz=down,
         )
-    forward, right, under = acceleration if member.follows_acceleration else (0.0, 0.0, 0.0)
+    forward, right, under = acceleration if member.follows_acceleration else _STEADY
     return common.SetPositionTargetGlobalInt(
         time_boot_ms=milliseconds,
         target_system=target.system,

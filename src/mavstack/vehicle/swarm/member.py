@@ -30,6 +30,8 @@ class Member:
         self.system, self.address = vehicle.system, vehicle.address
         #: True if the firmware adds the acceleration of a setpoint to its own.
         self.follows_acceleration = vehicle.telemetry.firmware.FOLLOWS_ACCELERATION
+        #: Returns its latest position and the time of its arrival; None if there is none.
+        self.read_position = vehicle.telemetry.reader(common.GlobalPositionInt)
         #: The reason why it does not follow setpoints any more; None: it follows.
         self.error: RemoteError | None = None
         self._session: GuidedSession | None = None

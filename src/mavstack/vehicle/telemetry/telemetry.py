@@ -7,6 +7,7 @@ named: a camera or a gimbal may send an ATTITUDE of its own.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from mavstack.dialects import Message, common
@@ -19,6 +20,8 @@ from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.status_texts import StatusTexts
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.node import Node, RemoteComponent
     from mavstack.node.dispatch import Listener
     from mavstack.vehicle.firmware import Firmware
@@ -111,6 +114,13 @@ class Telemetry(LoopBound):
         packet, received_at = stored
         found = packet.message
         return (found, received_at) if isinstance(found, message) else None
+
+    def reader(self, message: type[Message]) -> Callable[[], tuple[Packet, float] | None]:
+        """Return a function that returns the autopilot's latest packet of a message, and when it arrived.
+
+        For programs that read the same message of hundreds of vehicles again and again.
+        """
+        return partial(self._intake.latest, self.component.address, message.__mavlink_row__[0])
 
     def received_at(self, message: type[Message], component: int | None = None) -> float | None:
         """Return the time when the last message of a class was received, in Unix seconds."""
