@@ -14,7 +14,6 @@ import os
 import sys
 from importlib import import_module
 from importlib.machinery import PathFinder
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from mavstack.errors import InvalidArgumentError
@@ -22,6 +21,7 @@ from mavstack.errors import InvalidArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
     from importlib.metadata import EntryPoint, EntryPoints
+    from pathlib import Path
 
 Item = TypeVar("Item")
 #: The ends of the folders with the metadata of distributions, and of their parents in old ones.
@@ -160,6 +160,8 @@ def _may_be_declared(group: str) -> bool:
 
 
 def _may_declare(path: str, section: bytes) -> bool:
+    from pathlib import Path  # takes longer than a generator of code
+
     try:
         with os.scandir(path) as entries:
             folders = [entry.path for entry in entries if entry.name.endswith(_METADATA)]
