@@ -17,6 +17,10 @@ def test_packets_stay_whole_and_in_order(packets: list[bytes], limit: int) -> No
     assert all(len(sample) <= limit or sample in packets for sample in samples)
 
 
+def test_a_packet_beyond_the_limit_is_a_separate_sample() -> None:
+    assert list(samples_of([bytes(20), b"a", b"b", bytes(30)], 10)) == [bytes(20), b"ab", bytes(30)]
+
+
 def test_packets_of_one_read_are_one_sample() -> None:
     assert [len(sample) for sample in samples_of([bytes(30)] * 47)] == [46 * 30, 30]
     assert list(samples_of([])) == []

@@ -91,6 +91,15 @@ def test_positions_are_extrapolated_and_unknown_ones_are_nan(host):
     assert late.positions[0][0] == pytest.approx(5.0, abs=1e-3), "extrapolated for a second at most"
 
 
+def test_a_position_that_cannot_be_decoded_is_unknown():
+    member = Member(1, **HERE)
+    packet = SimpleNamespace(message=None)
+    member.read_position = lambda: (packet, NOW)
+    found = read_states([member], FRAME, NOW)
+    assert np.isnan(found.positions).all()
+    assert math.isinf(found.ages[0])
+
+
 def test_heights_of_setpoints_are_above_the_sea(host):
     message = send(host, (10.0, 0.0, 20.0), (1.0, 0.0, 0.5), alt=498000, relative_alt=2000)
     assert message.alt == pytest.approx(508.0)
